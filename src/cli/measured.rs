@@ -134,7 +134,10 @@ fn surfaces_of(mesh: &Mesh, session: &Session) -> anyhow::Result<Surfaces> {
     match find_channel(mesh, &BliskOptions::default(), &session.task) {
         Ok(channel) => Ok(Surfaces::of_wheel(mesh, &channel, &[], &session.task)?),
         Err(BliskError::Cancelled(cancelled)) => Err(cancelled.into()),
-        Err(_) => Ok(Surfaces::default()),
+        Err(why) => {
+            session.note(&format!("the part is one surface, as no channel of a wheel is found: {why}"));
+            Ok(Surfaces::default())
+        }
     }
 }
 

@@ -56,15 +56,15 @@ impl Preset {
         let worn = match self.wear_mm() {
             0.0 => String::new(),
             wear => format!(
-                " Its front has lost {wear:.4} mm, and it goes on by as much, which is in these values; files of the electrode \
-                 are those of a new one"
+                ". Its front has lost {wear:.4} mm by the wear of the technology, and it goes on by as much, which is in these \
+                 values; the places are those that were measured when it was new"
             ),
         };
         format!(
             "Preset: the electrode stands X {x_mm} Y {y_mm} Z {z_mm} mm, C {c_deg} deg off nominal on its holder, measured to \
              {uncertainty_mm} mm, an error that the certificate does not contain. The final pose, where all axes are zero, is at X \
              {x:.5} Y {y:.5} Z {z:.5} C {:.6} of a nominal electrode's: set the work zero there, or shift that of a nominal \
-             electrode by these values.{worn}",
+             electrode by these values{worn}",
             c.to_degrees()
         )
     }

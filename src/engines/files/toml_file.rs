@@ -56,7 +56,15 @@ impl<T: Validate + DeserializeOwned> TomlFile<T> {
     /// # Errors
     /// [`FileError`].
     pub fn read(&self, file: &Path) -> Result<T, FileError> {
-        self.parse(&read_text(file, self.what, self.largest)?, file)
+        self.parse(&self.read_text(file)?, file)
+    }
+
+    /// The text of `file`, which is not looked into.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn read_text(&self, file: &Path) -> Result<String, FileError> {
+        read_text(file, self.what, self.largest)
     }
 
     /// The content of `file`; none if the file does not exist, for optional lists of the user.
@@ -88,9 +96,21 @@ impl<T: Validate + DeserializeOwned> TomlFile<T> {
     where
         T: Serialize,
     {
+        write_bytes(file, self.text(file, content)?.as_bytes())
+    }
+
+    /// The text that [`write`](Self::write) writes to `file`.
+    ///
+    /// # Errors
+    /// [`FileError`] if the content could not be read again.
+    pub fn text(&self, file: &Path, content: &T) -> Result<String, FileError>
+    where
+        T: Serialize,
+    {
         content.validate().map_err(|problem| FileError::invalid(file, problem))?;
         let text = toml::to_string_pretty(content).map_err(|e| unwritten(file, one_line(&e.to_string())))?;
-        write_text(file, &text, self.largest)
+        fits(file, &text, self.largest)?;
+        Ok(text)
     }
 }
 
@@ -100,11 +120,16 @@ fn unwritten(file: &Path, problem: String) -> FileError {
 
 /// Writes `text` unless it is longer than such a file may be.
 pub(crate) fn write_text(file: &Path, text: &str, largest: u64) -> Result<(), FileError> {
+    fits(file, text, largest)?;
+    write_bytes(file, text.as_bytes())
+}
+
+fn fits(file: &Path, text: &str, largest: u64) -> Result<(), FileError> {
     let size = text.len() as u64;
     if size > largest {
         return Err(unwritten(file, format!("it would have {size} bytes and at most {largest} are read again")));
     }
-    write_bytes(file, text.as_bytes())
+    Ok(())
 }
 
 /// The text in `file`, a file of a `what` with at most `most` bytes. At most so many bytes are read.

@@ -190,8 +190,8 @@ impl Line {
 /// The numbers of the channels of a wheel by places in them.
 #[derive(Debug, Clone)]
 pub struct ChannelNumbers {
-    /// Places (x, r) all over a channel (mm), and the angle of its middle there (rad).
-    middles: Vec<(DVec2, f64)>,
+    /// Places (x, r) all over the low and the high wall of a channel (mm), and the angle of the wall there (rad).
+    walls: [Vec<(DVec2, f64)>; 2],
     /// Number of this channel.
     index: usize,
     /// Number of channels.
@@ -199,12 +199,22 @@ pub struct ChannelNumbers {
 }
 
 impl ChannelNumbers {
-    /// Number of the channel that the place `p` (mm, in W of a channel) lies in, or bounds.
-    pub fn at(&self, p: DVec3) -> usize {
+    /// Number of the channel whose low or high wall (`wall` 0 or 1) the place `p` lies on, or without a wall the one that it
+    /// lies in (mm, in W of a channel).
+    pub fn at(&self, p: DVec3, wall: Option<usize>) -> usize {
         let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
         let off = |(place, _): &&(DVec2, f64)| place.distance_squared(DVec2::new(x, r));
-        let middle = self.middles.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(0.0, |(_, middle)| *middle);
-        let pitches = ((theta - middle) * self.blades as f64 / TAU).round() as i64;
+        let angle = |nodes: &Vec<(DVec2, f64)>| {
+            nodes.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(0.0, |(_, theta)| *theta)
+        };
+        let reference = match wall {
+            Some(wall) => angle(&self.walls[wall]),
+            None => {
+                let [low, high] = [0, 1].map(|wall| angle(&self.walls[wall]));
+                low + 0.5 * (high - low).rem_euclid(TAU)
+            }
+        };
+        let pitches = ((theta - reference) * self.blades as f64 / TAU).round() as i64;
         (self.index as i64 + pitches).rem_euclid(self.blades as i64) as usize
     }
 }
@@ -504,16 +514,14 @@ impl Channel {
 
     /// The numbers of the channels by places in them.
     pub fn numbers(&self) -> ChannelNumbers {
-        const STEP: usize = 2;
-        let (low, high) = (&self.low, &self.high);
-        let nodes = (0..low.nu.min(high.nu)).step_by(STEP).flat_map(|u| {
-            (0..low.nv.min(high.nv)).step_by(STEP).map(move |v| [low, high].map(|wall| wall.cylindrical(u, v)))
-        });
-        let middle = |[a, b]: [Cylindrical; 2]| {
-            let between = (b.theta - a.theta).rem_euclid(TAU);
-            (0.5 * DVec2::new(a.x + b.x, a.r + b.r), a.theta + 0.5 * between)
+        let of = |wall: &ChannelWall| {
+            let node = |p: &DVec3| {
+                let Cylindrical { x, r, theta } = Cylindrical::from_point(*p);
+                (DVec2::new(x, r), theta)
+            };
+            wall.points.iter().map(node).collect()
         };
-        ChannelNumbers { middles: nodes.map(middle).collect(), index: self.index, blades: self.blades }
+        ChannelNumbers { walls: [of(&self.low), of(&self.high)], index: self.index, blades: self.blades }
     }
 
     /// What differs most between one of [`unlike`](Self::unlike) and this channel, for a reader: `"hub 0.412 mm off"`.

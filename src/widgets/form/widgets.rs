@@ -187,9 +187,9 @@ fn whole(number: f64) -> Value {
 fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut at = value.as_f64().unwrap_or_default();
     let (before, shown, wrong) = (at, RefCell::default(), RefCell::default());
-    let may_be_zero = place.field.range().is_some_and(|range| range.contains(0.0));
+    let Range(least, _) = place.field.range().unwrap_or(Range(0.0, f64::INFINITY));
     let is_given = Cell::new(value.is_number());
-    let is_there = |number: f64| number > 0.0 || may_be_zero && is_given.get();
+    let is_there = |number: f64| if least > 0.0 { number > 0.0 } else { is_given.get() || number != 0.0 };
     let field = DragValue::new(&mut at)
         .speed(place.field.drag_step())
         .max_decimals(6)
@@ -203,7 +203,7 @@ fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Opti
             }
             text if text == *shown.borrow() => Some(before),
             text => {
-                let number = parsed_or(text, &wrong).filter(|number| *number >= 0.0);
+                let number = parsed_or(text, &wrong).filter(|number| *number >= least.min(0.0));
                 if number.is_none() {
                     *wrong.borrow_mut() = Some(text.to_owned());
                 }
@@ -213,16 +213,20 @@ fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Opti
         })
         .update_while_editing(false);
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), field));
-    let new = if is_there(at) { at.max(0.0).into() } else { Value::Null };
+    let new = if is_there(at) { at.max(least.min(0.0)).into() } else { Value::Null };
     // Zero and none are the same number to the widget.
     let is_other = is_given.get() != value.is_number() && new != *value;
     let typed = || is_other.then_some(Change::To(new.clone()));
     // A number that is typed and not possible is said to be so.
-    let refused = |text: String| match text.trim().parse::<f64>().map(|_| place.field.parse(&place.key, &text)) {
-        Ok(Err(problem)) => Change::Wrong(problem),
+    let refused = |text: String| match place.field.parse(&place.key, &text) {
+        Err(problem) if read_as_number(&text) => Change::Wrong(problem),
         _ => Change::NoNumber(text),
     };
     wrong.into_inner().map(refused).or_else(|| along(&response, new.clone())).or_else(typed)
+}
+
+fn read_as_number(text: &str) -> bool {
+    parsed_or(text, &RefCell::default()).is_some()
 }
 
 fn along(response: &Response, value: Value) -> Option<Change> {

@@ -351,7 +351,7 @@ fn electrode_files(
             MeshFrame::Mesh => &worn.mesh.in_parent_of(&context.channel.frame),
             MeshFrame::W => &worn.mesh,
         };
-        files.push((format!("electrode_{k}.worn.stl"), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
+        files.push((worn_file(k), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
     }
     if let Some(Ok(step)) = step {
         files.push((format!("electrode_{k}.step"), step.bytes.clone()));
@@ -384,9 +384,9 @@ fn electrode_files(
     if let (Some(simulation), Some(of_today)) = (whole.simulation(k - 1), context.bodies) {
         approved = approved.with_simulation(simulation, of_today).map_err(not_approved)?;
     }
-    let electrode_file = electrode_in_program(k, &context.job.export);
+    let electrode_file = electrode_in_program(k, outcome.worn.is_some(), &context.job.export);
     let setting = whole.setting(k - 1).map(|room| format!("Setting up: {}", room.sentence()));
-    let notes: Vec<String> = outcome.preset.map(|preset| preset.sentence()).into_iter().chain(setting).collect();
+    let notes: Vec<String> = outcome.preset_sentence().into_iter().chain(setting).collect();
     let nc_job = NcJob {
         program: &format!("path_{k}"),
         electrode_file: &electrode_file,
@@ -401,11 +401,17 @@ fn electrode_file(k: usize) -> String {
     format!("electrode_{k}.stl")
 }
 
+/// File of the electrode as it is worn, moved on.
+fn worn_file(k: usize) -> String {
+    format!("electrode_{k}.worn.stl")
+}
+
 /// What a program says of the file of its electrode.
-fn electrode_in_program(k: usize, export: &ExportSection) -> String {
-    match (export.files.electrode, export.frame) {
+fn electrode_in_program(k: usize, is_worn: bool, export: &ExportSection) -> String {
+    let file = if is_worn { worn_file(k) } else { electrode_file(k) };
+    match (export.files.electrode || is_worn, export.frame) {
         (false, _) => format!("none was written of electrode {k}"),
-        (true, MeshFrame::Mesh) => electrode_file(k),
-        (true, MeshFrame::W) => format!("{} in the workpiece frame W", electrode_file(k)),
+        (true, MeshFrame::Mesh) => file,
+        (true, MeshFrame::W) => format!("{file} in the workpiece frame W"),
     }
 }

@@ -207,7 +207,7 @@ impl BliskWorkspace {
                     cx.request(Request::Send(Message::MillFlanks(part.into())));
                 }
             }
-            BliskCommand::Technology => self.technology.toggle(&desk.document.params().technology, cx),
+            BliskCommand::Technology => self.technology.toggle(),
             BliskCommand::Step(stage) => desk.step = stage,
         }
     }
@@ -254,7 +254,6 @@ impl BliskWorkspace {
             Ok(table) => {
                 take_first_unless_known(&mut job.technology, &table);
                 self.desk.edit("Technology table", job, false);
-                self.technology.turn_to(&self.desk.document.params().technology, cx);
             }
             Err(error) => cx.error("This is no technology table", error.to_string()),
         }

@@ -141,7 +141,6 @@ impl MoldWorkspace {
             Ok(table) => {
                 take_first_unless_known(technology, &table);
                 self.desk.edit(params);
-                self.technology.turn_to(&self.desk.params().electrodes.technology, cx);
             }
             Err(error) => cx.error("This is no technology table", error.to_string()),
         }
@@ -238,7 +237,7 @@ impl MoldWorkspace {
             MoldCommand::Layers => desk.toggle_layers(),
             MoldCommand::Section => burns.toggle_cut(),
             MoldCommand::MillFlanks => self.mill_flanks(cx),
-            MoldCommand::Technology => self.technology.toggle(&self.desk.params().electrodes.technology, cx),
+            MoldCommand::Technology => self.technology.toggle(),
             MoldCommand::FoldPanel => desk.fold_panel(),
             MoldCommand::FoldList if desk.is_small => desk.shows_list_instead = !desk.shows_list_instead,
             MoldCommand::FoldList => desk.shows_list = !desk.shows_list,

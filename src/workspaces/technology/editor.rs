@@ -1,7 +1,7 @@
 //! The window in which the technology table of a project is looked at and edited.
 //!
-//! A change goes into the file of the table at once, and can be undone. A table that is not possible is not written; the
-//! window says so, and what is wrong. The built-in table cannot be changed, but copied.
+//! A change goes into the file of the table at once, and can be undone. A table that is not possible is not taken; the window
+//! says why. The built-in table cannot be changed, but copied.
 
 use std::path::{Path, PathBuf};
 
@@ -17,16 +17,20 @@ use crate::widgets::form::Form;
 use crate::widgets::panel_parts::{file_name, notice};
 use crate::widgets::theme::palette;
 use crate::workspaces::context::{Context, PathSet};
+use crate::workspaces::news::EventKind;
 
-/// Ending of the copy of a file as it was when it was opened.
-const BACKUP: &str = "toml.bak";
-
+/// Ending that is added to the name of a file for the copy of it as it was when it was opened.
+const BACKUP: &str = ".bak";
 /// Name that is proposed for a copy of a table.
 const COPY_NAME: &str = "technology.toml";
 
 /// The window of the technology table, which may be closed.
 #[derive(Default)]
-pub struct TechnologyWindow(Option<TechnologyEditor>);
+pub struct TechnologyWindow {
+    /// What the window shows. A closed window keeps a table that could not be written.
+    editor: Option<TechnologyEditor>,
+    is_open: bool,
+}
 
 /// Change that the project takes in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,28 +42,39 @@ pub enum TableChange {
 }
 
 impl TechnologyWindow {
-    /// Opens the window for the table of `project`, or shows why the table cannot be read; closes an open window.
-    pub fn toggle(&mut self, project: &ProjectTechnology, cx: &mut Context) {
-        if self.0.take().is_none() {
-            self.open(project, cx);
+    /// Opens the window, or closes it.
+    pub fn toggle(&mut self) {
+        if self.is_open {
+            self.close();
+        } else {
+            self.is_open = true;
         }
     }
 
-    /// Shows the table of `project`, which is another one now, if the window is open.
-    pub fn turn_to(&mut self, project: &ProjectTechnology, cx: &mut Context) {
-        if self.0.is_some() {
-            self.open(project, cx);
-        }
+    fn close(&mut self) {
+        self.is_open = false;
+        self.editor.take_if(|editor| editor.unwritten.is_none());
     }
 
-    fn open(&mut self, project: &ProjectTechnology, cx: &mut Context) {
+    /// Reads the table of `project`, unless it is the one that is shown.
+    fn follow(&mut self, project: &ProjectTechnology, cx: &mut Context) {
+        if self.editor.as_ref().is_some_and(|editor| editor.name == project.table) {
+            return;
+        }
+        if let Some(why) = self.editor.take().and_then(|editor| editor.unwritten) {
+            cx.say(EventKind::Failed, format!("changes of the technology table were not written: {why}"));
+        }
         match TechnologyEditor::open(project) {
-            Ok(editor) => self.0 = Some(editor),
-            Err(error) => cx.error("The technology table cannot be read", error.to_string()),
+            Ok(editor) => self.editor = Some(editor),
+            Err(error) => {
+                self.is_open = false;
+                cx.error("The technology table cannot be read", error.to_string());
+            }
         }
     }
 
-    /// Draws the window if it is open. It asks for another table by the path `choose`, for a copy of the table by `copy`.
+    /// Draws the window of the table of `project`, if it is open. It asks for another table by the path `choose`, for a copy of
+    /// the table by `copy`.
     pub fn show<P: PathSet>(
         &mut self,
         ui: &Ui,
@@ -67,10 +82,15 @@ impl TechnologyWindow {
         cx: &mut Context,
         [choose, copy]: [P; 2],
     ) -> Option<TableChange> {
-        match self.0.as_mut()?.show(ui.ctx(), project)? {
+        if !self.is_open {
+            return None;
+        }
+        self.follow(project, cx);
+        match self.editor.as_mut()?.show(ui.ctx(), project)? {
             Wish::Choose => cx.ask(choose, ""),
             Wish::Copy => cx.ask(copy, COPY_NAME),
-            Wish::Close => self.0 = None,
+            Wish::Close => self.close(),
+            Wish::ReadAgain => self.editor = None,
             Wish::Take(change) => return Some(change),
         }
         None
@@ -78,7 +98,7 @@ impl TechnologyWindow {
 
     /// Writes a copy of the table to `path`, or shows why that is not possible. Returns whether it was written.
     pub fn write_copy(&self, path: &Path, cx: &mut Context) -> bool {
-        let Some(editor) = &self.0 else { return false };
+        let Some(editor) = &self.editor else { return false };
         let written = TECHNOLOGY_FILE.write(path, &editor.table);
         let is_written = written.is_ok();
         written.unwrap_or_else(|error| cx.error("The technology table was not written", error.to_string()));
@@ -88,15 +108,50 @@ impl TechnologyWindow {
 
 /// The technology table of a project in its window.
 struct TechnologyEditor {
-    /// Table as it is shown, which may not be possible.
+    /// Table as the project names it.
+    name: String,
+    /// Table as it is shown: a possible one.
     table: TechnologyFile,
-    /// File of the table, with its content when it was opened; none for the built-in one.
-    file: Option<(PathBuf, Vec<u8>)>,
+    /// File of the table; none of the built-in one.
+    file: Option<OwnFile>,
     /// Number of the shown technology.
     shown: usize,
     history: History<TechnologyFile>,
+    /// Table before a gesture that goes on.
+    before_gesture: Option<TechnologyFile>,
+    /// Why the last change was not taken.
+    refused: Option<String>,
     /// Why the table was not written.
     unwritten: Option<String>,
+}
+
+/// File of a technology table.
+struct OwnFile {
+    path: PathBuf,
+    /// Text of the file as it was read or written last.
+    text: String,
+    /// Whether its text as it was opened is no longer needed: it is kept beside it, or the program wrote it.
+    is_kept: bool,
+}
+
+impl OwnFile {
+    /// Writes `table`. The file as it was opened is kept beside it.
+    fn write(&mut self, table: &TechnologyFile) -> Result<(), String> {
+        let now = std::fs::read(&self.path).map_err(|error| FileError::unreadable(&self.path, error).to_string())?;
+        if now != self.text.as_bytes() {
+            return Err("The file was changed elsewhere since it was read.".to_owned());
+        }
+        let text = TECHNOLOGY_FILE.text(&self.path, table).map_err(|error| error.to_string())?;
+        if !self.is_kept {
+            let mut beside = self.path.clone().into_os_string();
+            beside.push(BACKUP);
+            write_bytes(Path::new(&beside), self.text.as_bytes()).map_err(|error| error.to_string())?;
+            self.is_kept = true;
+        }
+        write_bytes(&self.path, text.as_bytes()).map_err(|error| error.to_string())?;
+        self.text = text;
+        Ok(())
+    }
 }
 
 /// Request of the user in the window.
@@ -106,6 +161,8 @@ enum Wish {
     Choose,
     /// To choose a file for a copy of the table.
     Copy,
+    /// To read the file again, and give up what was not written.
+    ReadAgain,
     /// To take a change into the project.
     Take(TableChange),
     /// To close the window.
@@ -120,15 +177,26 @@ impl TechnologyEditor {
     /// # Errors
     /// [`FileError`] if it is a file that cannot be read or is no technology table.
     fn open(project: &ProjectTechnology) -> Result<Self, FileError> {
-        let table = read_table(project)?;
-        let file = project.is_file().then(|| PathBuf::from(&project.table));
-        let content = |path: PathBuf| match std::fs::read(&path) {
-            Ok(bytes) => Ok((path, bytes)),
-            Err(error) => Err(FileError::unreadable(&path, error)),
+        let (table, file) = if project.is_file() {
+            let path = PathBuf::from(&project.table);
+            let text = TECHNOLOGY_FILE.read_text(&path)?;
+            let table = TECHNOLOGY_FILE.parse(&text, &path)?;
+            let is_kept = TECHNOLOGY_FILE.text(&path, &table)? == text;
+            (table, Some(OwnFile { path, text, is_kept }))
+        } else {
+            (read_table(project)?, None)
         };
-        let file = file.map(content).transpose()?;
         let shown = table.technology.iter().position(|technology| technology.id == project.id).unwrap_or(0);
-        Ok(Self { table, file, shown, history: History::default(), unwritten: None })
+        Ok(Self {
+            name: project.table.clone(),
+            table,
+            file,
+            shown,
+            history: History::default(),
+            before_gesture: None,
+            refused: None,
+            unwritten: None,
+        })
     }
 
     /// Draws the window.
@@ -145,27 +213,40 @@ impl TechnologyEditor {
     }
 
     fn contents(&mut self, ui: &mut Ui, project: &ProjectTechnology) -> Option<Wish> {
-        let mut wish = self.head(ui);
+        let mut wish = self.head(ui, project);
         if self.file.is_none() {
             let text = "The built-in table is made from rules and cannot be changed. A copy of it can, as a file.";
             notice(ui, palette(ui).faint, text);
         }
+        if let Some(why) = &self.refused {
+            notice(ui, palette(ui).bad, &format!("Not taken. {why}"));
+        }
         if let Some(why) = &self.unwritten {
             notice(ui, palette(ui).bad, &format!("Not written. {why}"));
+            let hint = "Gives up the changes that were not written";
+            if ui.button("Read the file again").on_hover_text(hint).clicked() {
+                wish = Some(Wish::ReadAgain);
+            }
         }
         wish = self.list(ui, project).or(wish);
         ui.separator();
         let scroll = ScrollArea::both().auto_shrink([false, false]);
         let frame = egui::Frame::new().inner_margin(egui::Margin { right: 12, ..Default::default() });
-        let changed = scroll.show(ui, |ui| frame.show(ui, |ui| self.technology(ui)).inner).inner;
-        changed.then(|| self.write(project)).flatten().or(wish)
+        wish = scroll.show(ui, |ui| frame.show(ui, |ui| self.technology(ui, project)).inner).inner.or(wish);
+        if !ui.input(|i| i.pointer.any_down())
+            && let Some(before) = self.before_gesture.take()
+        {
+            self.history.end_gesture();
+            wish = self.write(&before, project).or(wish);
+        }
+        wish
     }
 
-    fn head(&mut self, ui: &mut Ui) -> Option<Wish> {
+    fn head(&mut self, ui: &mut Ui, project: &ProjectTechnology) -> Option<Wish> {
         let mut wish = None;
         ui.horizontal(|ui| {
             match &self.file {
-                Some((path, _)) => {
+                Some(OwnFile { path, .. }) => {
                     let name = ui.strong(file_name(&path.to_string_lossy()));
                     name.on_hover_text(format!("{}\nComments of the file go once it is changed.", path.display()));
                 }
@@ -192,9 +273,10 @@ impl TechnologyEditor {
                 _ => None,
             };
             if let Some(table) = table {
-                self.table = table;
+                let before = std::mem::replace(&mut self.table, table);
                 self.shown = self.shown.min(self.table.technology.len().saturating_sub(1));
-                wish = self.put_in_file().then_some(FIGURES).or(wish.take());
+                (self.refused, self.before_gesture) = (None, None);
+                wish = self.write(&before, project).or(wish.take());
             }
         });
         ui.add_space(4.0);
@@ -230,23 +312,57 @@ impl TechnologyEditor {
                 let (copy, before) = (self.free_copy(self.shown), self.table.clone());
                 self.table.technology.insert(self.shown + 1, copy);
                 self.shown += 1;
-                wish = self.changed("Duplicate a technology", &before);
+                wish = self.changed("Duplicate a technology", before, project, false);
             }
-            let can_go = is_own && self.table.technology.len() > 1;
-            if ui.add_enabled(can_go, egui::Button::new("Remove")).clicked() {
+            let can_go = is_own && self.table.technology.get(self.shown).is_some_and(|shown| shown.id != project.id);
+            let hint = "One that the project uses stays";
+            if ui.add_enabled(can_go, egui::Button::new("Remove")).on_disabled_hover_text(hint).clicked() {
                 let before = self.table.clone();
                 let gone = self.table.technology.remove(self.shown);
                 self.table.calibration.retain(|burn| burn.technology != gone.id);
                 self.shown = self.shown.min(self.table.technology.len() - 1);
-                wish = self.changed("Remove a technology", &before);
+                wish = self.changed("Remove a technology", before, project, false);
             }
         });
         wish
     }
 
-    fn changed(&mut self, label: &str, before: &TechnologyFile) -> Option<Wish> {
-        self.history.record(label, before, false);
-        self.put_in_file().then_some(FIGURES)
+    /// Takes a change of the table from `before`, unless the table is not possible now.
+    fn changed(
+        &mut self,
+        label: &str,
+        before: TechnologyFile,
+        project: &ProjectTechnology,
+        in_gesture: bool,
+    ) -> Option<Wish> {
+        if let Err(problem) = self.table.validate() {
+            self.refused = Some(in_words(&self.table, &problem));
+            self.table = before;
+            self.shown = self.shown.min(self.table.technology.len().saturating_sub(1));
+            return None;
+        }
+        self.refused = None;
+        self.history.record(label, &before, in_gesture);
+        let before = self.before_gesture.take().unwrap_or(before);
+        if in_gesture {
+            self.before_gesture = Some(before);
+            return None;
+        }
+        self.write(&before, project)
+    }
+
+    /// Writes a change of the table from `before`. A project follows its technology that is called otherwise now.
+    fn write(&mut self, before: &TechnologyFile, project: &ProjectTechnology) -> Option<Wish> {
+        self.unwritten = self.file.as_mut()?.write(&self.table).err();
+        if self.unwritten.is_some() {
+            return None;
+        }
+        let of_project = before.technology.iter().position(|technology| technology.id == project.id);
+        let now = of_project.and_then(|i| self.table.technology.get(i));
+        match now.filter(|_| self.table.get(&project.id).is_none()) {
+            Some(now) => Some(Wish::Take(TableChange::Use(now.id.clone()))),
+            None => Some(FIGURES),
+        }
     }
 
     /// A copy of a technology with an identifier that none has.
@@ -265,11 +381,10 @@ impl TechnologyEditor {
         Some(TechnologyFile { technology: vec![technology], calibration })
     }
 
-    /// Draws the shown technology. Returns whether it was changed.
-    fn technology(&mut self, ui: &mut Ui) -> bool {
-        let Some(shown) = self.of_shown() else { return false };
-        let problem = shown.validate().err().or_else(|| self.not_unique());
-        let mut form = Form::new(&FIELDS, &shown, problem.as_ref());
+    /// Draws the shown technology.
+    fn technology(&mut self, ui: &mut Ui, project: &ProjectTechnology) -> Option<Wish> {
+        let shown = self.of_shown()?;
+        let mut form = Form::new(&FIELDS, &shown, None);
         ui.add_enabled_ui(self.file.is_some(), |ui| {
             ui.columns(2, |columns| {
                 form.group(&mut columns[0], "What it is for");
@@ -284,19 +399,17 @@ impl TechnologyEditor {
         ui.add_enabled_ui(self.file.is_some(), |ui| form.section(ui, "Burns"));
         ui.label(RichText::new(calibrated_text(&shown)).color(palette(ui).faint));
         let answer = form.answer();
-        let Some(edit) = answer.edit.map(|edit| (tidied(edit.params), edit.label, edit.in_gesture)) else {
-            if ui.input(|i| i.pointer.any_released()) {
-                self.history.end_gesture();
-            }
-            return false;
-        };
-        let (params, label, in_gesture) = edit;
-        if params == shown {
-            return false;
+        if let Some(said) = answer.said {
+            self.refused = Some(said);
         }
-        self.history.record(&label, &self.table, in_gesture);
+        let edit = answer.edit?;
+        let params = tidied(edit.params);
+        if params == shown {
+            return None;
+        }
+        let before = self.table.clone();
         self.take(params);
-        true
+        self.changed(&edit.label, before, project, edit.in_gesture)
     }
 
     /// Puts a technology in the place of the shown one, with its finished burns.
@@ -309,35 +422,6 @@ impl TechnologyEditor {
             burn.technology.clone_from(id);
             burn
         }));
-    }
-
-    /// Why the shown technology cannot be told from another one.
-    fn not_unique(&self) -> Option<Invalid> {
-        let id = &self.table.technology.get(self.shown)?.id;
-        let count = self.table.technology.iter().filter(|technology| technology.id == *id).count();
-        (count > 1).then(|| Invalid::new("technology[0].id", id, "another technology has it; give each its own"))
-    }
-
-    /// Writes a change of the shown technology, of which the project may know the former identifier.
-    fn write(&mut self, project: &ProjectTechnology) -> Option<Wish> {
-        if !self.put_in_file() {
-            return None;
-        }
-        let is_known = self.table.get(&project.id).is_some();
-        let id = || self.table.technology[self.shown].id.clone();
-        Some(if is_known { FIGURES } else { Wish::Take(TableChange::Use(id())) })
-    }
-
-    /// Writes the table to its file, if it is possible. The file as it was is kept beside it.
-    fn put_in_file(&mut self) -> bool {
-        let Some((path, opened)) = &self.file else { return false };
-        let written = self.table.validate().map_err(|problem| in_words(&self.table, &problem)).and_then(|()| {
-            let backup = path.with_extension(BACKUP);
-            let kept = if backup.exists() { Ok(()) } else { write_bytes(&backup, opened) };
-            kept.and_then(|()| TECHNOLOGY_FILE.write(path, &self.table)).map_err(|error| error.to_string())
-        });
-        self.unwritten = written.err();
-        self.unwritten.is_none()
     }
 }
 
@@ -391,69 +475,117 @@ mod tests {
         (project, editor)
     }
 
+    fn burn(technology: &str) -> Calibration {
+        let technology = technology.to_owned();
+        Calibration { technology, estimated_min: 10.0, measured_min: 12.0, date: None, source: None }
+    }
+
+    /// Changes the shown technology as the form does.
+    fn edit(
+        editor: &mut TechnologyEditor,
+        project: &ProjectTechnology,
+        in_gesture: bool,
+        change: impl FnOnce(&mut TechnologyFile),
+    ) -> Option<Wish> {
+        let (before, mut of_shown) = (editor.table.clone(), editor.of_shown().unwrap());
+        change(&mut of_shown);
+        editor.take(of_shown);
+        editor.changed("Change", before, project, in_gesture)
+    }
+
+    fn beside(project: &ProjectTechnology) -> String {
+        std::fs::read_to_string(format!("{}{BACKUP}", project.table)).unwrap_or_default()
+    }
+
     #[test]
     fn the_built_in_table_is_shown_and_not_changed() {
-        let mut editor = TechnologyEditor::open(&ProjectTechnology::default()).unwrap();
-        assert_eq!(editor.table.technology[editor.shown].id, ProjectTechnology::default().id);
-        assert!(!editor.put_in_file());
+        let project = ProjectTechnology::default();
+        let mut editor = TechnologyEditor::open(&project).unwrap();
+        assert_eq!(editor.table.technology[editor.shown].id, project.id);
+        let before = editor.table.clone();
+        assert_eq!(editor.write(&before, &project), None);
     }
 
     #[test]
     fn a_change_goes_into_the_file_and_the_file_as_it_was_beside_it() {
         let folder = tempfile::tempdir().unwrap();
         let (project, mut editor) = own(folder.path());
-        let path = PathBuf::from(&project.table);
-        let mut of_shown = editor.of_shown().unwrap();
-        of_shown.technology[0].step[0].wear_percent = Some(0.0);
-        let burn = Calibration {
-            technology: String::new(),
-            estimated_min: 10.0,
-            measured_min: 12.0,
-            date: None,
-            source: None,
+        let change = |of: &mut TechnologyFile| {
+            of.technology[0].step[0].wear_percent = Some(0.0);
+            of.calibration.push(burn(""));
         };
-        of_shown.calibration.push(burn);
-        editor.take(of_shown);
-        assert_eq!(editor.write(&project), Some(FIGURES));
-        let read = TECHNOLOGY_FILE.read(&path).unwrap();
+        assert_eq!(edit(&mut editor, &project, false, change), Some(FIGURES));
+        let read = TECHNOLOGY_FILE.read(Path::new(&project.table)).unwrap();
         let of_project = read.get(&project.id).unwrap();
         assert_eq!(of_project.step[0].wear_percent, Some(0.0), "a figure of zero is no missing one");
         assert_eq!(read.calibrations_of(&project.id).count(), 1);
-        assert!(std::fs::read_to_string(path.with_extension(BACKUP)).unwrap().starts_with("# by hand"));
+        assert!(beside(&project).starts_with("# by hand"));
+        // Opened again, the file is what the program wrote: what was written by hand is kept.
+        let mut again = TechnologyEditor::open(&project).unwrap();
+        edit(&mut again, &project, false, |of| of.technology[0].step[0].vdi = Some(40.0)).unwrap();
+        assert!(beside(&project).starts_with("# by hand"));
+        // Changed by hand and opened again, it is kept again.
+        let text = std::fs::read_to_string(&project.table).unwrap();
+        std::fs::write(&project.table, format!("# once more\n{text}")).unwrap();
+        let mut again = TechnologyEditor::open(&project).unwrap();
+        edit(&mut again, &project, false, |of| of.technology[0].step[0].vdi = Some(41.0)).unwrap();
+        assert!(beside(&project).starts_with("# once more"));
     }
 
     #[test]
-    fn what_is_not_possible_stays_in_the_window() {
+    fn what_is_not_possible_is_not_taken() {
         let folder = tempfile::tempdir().unwrap();
         let (project, mut editor) = own(folder.path());
-        let before = std::fs::read(&project.table).unwrap();
-        let mut of_shown = editor.of_shown().unwrap();
-        of_shown.technology[0].step[0].ip_a = Some(-1.0);
-        editor.take(of_shown);
-        assert_eq!(editor.write(&project), None);
-        let why = editor.unwritten.clone().unwrap();
+        let (text, before) = (std::fs::read(&project.table).unwrap(), editor.table.clone());
+        let others = editor.table.technology[0].id.clone();
+        assert_ne!(others, project.id);
+        assert_eq!(edit(&mut editor, &project, false, |of| of.technology[0].step[0].ip_a = Some(-1.0)), None);
+        let why = editor.refused.clone().unwrap();
         assert!(why.contains(editor.table.technology[editor.shown].label()) && why.contains("Current"), "{why}");
-        assert_eq!(std::fs::read(&project.table).unwrap(), before);
+        // Its burns would be those of the other one as well.
+        assert_eq!(edit(&mut editor, &project, false, |of| of.technology[0].id = others), None);
+        assert_eq!((editor.table, std::fs::read(&project.table).unwrap()), (before, text));
+    }
+
+    #[test]
+    fn a_gesture_is_written_once_at_its_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let (project, mut editor) = own(folder.path());
+        let text = || std::fs::read(&project.table).unwrap();
+        let before = text();
+        for current in [81.0, 82.0, 83.0] {
+            let wish = edit(&mut editor, &project, true, |of| of.technology[0].step[0].ip_a = Some(current));
+            assert_eq!((wish, text() == before), (None, true));
+        }
+        let from = editor.before_gesture.take().unwrap();
+        assert_eq!(editor.write(&from, &project), Some(FIGURES));
+        assert_eq!(editor.history.undo(&editor.table), Some(from), "one step");
+    }
+
+    #[test]
+    fn what_others_wrote_meanwhile_is_not_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let (project, mut editor) = own(folder.path());
+        let theirs = format!("{}\n# theirs\n", std::fs::read_to_string(&project.table).unwrap());
+        std::fs::write(&project.table, &theirs).unwrap();
+        assert_eq!(edit(&mut editor, &project, false, |of| of.technology[0].step[0].vdi = Some(40.0)), None);
+        assert!(editor.unwritten.is_some_and(|why| why.contains("changed elsewhere")));
+        assert_eq!(std::fs::read_to_string(&project.table).unwrap(), theirs);
     }
 
     #[test]
     fn the_project_follows_a_technology_that_is_called_otherwise() {
         let folder = tempfile::tempdir().unwrap();
         let (project, mut editor) = own(folder.path());
-        let burn = Calibration {
-            technology: project.id.clone(),
-            estimated_min: 10.0,
-            measured_min: 12.0,
-            date: None,
-            source: None,
-        };
-        editor.table.calibration.push(burn);
-        let mut of_shown = editor.of_shown().unwrap();
-        of_shown.technology[0].id = "mine".to_owned();
-        editor.take(of_shown);
-        assert_eq!(editor.write(&project), Some(Wish::Take(TableChange::Use("mine".to_owned()))));
+        editor.table.calibration.push(burn(&project.id));
+        let take = |id: &str| Some(Wish::Take(TableChange::Use(id.to_owned())));
+        assert_eq!(edit(&mut editor, &project, false, |of| of.technology[0].id = "mine".to_owned()), take("mine"));
         assert_eq!(editor.table.calibrations_of("mine").count(), 1, "its burns go along");
         assert_eq!(editor.table.calibration.len(), 1);
+        let renamed = ProjectTechnology { id: "mine".to_owned(), ..project.clone() };
+        let table = editor.history.undo(&editor.table).unwrap();
+        let before = std::mem::replace(&mut editor.table, table);
+        assert_eq!(editor.write(&before, &renamed), take(&project.id), "and back");
         let copy = editor.free_copy(editor.shown);
         assert!(editor.table.get(&copy.id).is_none() && copy.step == editor.table.technology[editor.shown].step);
     }

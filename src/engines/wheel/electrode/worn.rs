@@ -29,7 +29,7 @@ impl Electrode {
         };
         let face_of: Vec<u32> = self.faces.iter().map(number).collect();
         let faced = |mesh: Mesh| FacedMesh { mesh, face_of: face_of.clone() };
-        let kept = match self.beyond_burning() {
+        let kept = match self.about_shank() {
             Some(room) => {
                 let mesh = Mesh::cuboid(room.size()).mapped(|p| room.min + p);
                 let face_of = vec![0; mesh.triangles.len()];
@@ -45,12 +45,12 @@ impl Electrode {
         Ok(Self { mesh: left.mesh, faces, patches: Vec::new(), ..self.clone() })
     }
 
-    /// Room about shank and holder: all that is farther out towards the side of entry than any face that burns; none where
-    /// no face does.
-    fn beyond_burning(&self) -> Option<Bounds> {
+    /// Room about shank and holder: all that is as far out towards the side of entry as any part of them, and farther; none
+    /// where the electrode has none.
+    fn about_shank(&self) -> Option<Bounds> {
         let (out, bounds) = (self.enters_from.direction(), self.mesh.bounds());
-        let burning = self.mesh.iter_corners().zip(&self.faces).filter(|(_, face)| face.burns());
-        let edge = burning.flat_map(|(corners, _)| corners).map(|p| p.dot(out)).fold(f64::NEG_INFINITY, f64::max);
+        let shank = self.mesh.iter_corners().zip(&self.faces).filter(|(_, face)| !face.burns());
+        let edge = shank.flat_map(|(corners, _)| corners).map(|p| p.dot(out)).fold(f64::INFINITY, f64::min);
         let around = bounds.grown(bounds.size().max_element());
         let beyond = |p: DVec3| p + (edge - p.dot(out)).max(0.0) * out;
         edge.is_finite().then(|| Bounds::of(around.corners().map(beyond)))

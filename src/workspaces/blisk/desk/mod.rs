@@ -39,7 +39,7 @@ use machine_motion::MachineMotion;
 use picks::Picking;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
-use scan::{Scanned, scanned};
+use scan::Scanned;
 use shown::Stood;
 use surfaces::{Classed, classed};
 use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
@@ -150,7 +150,7 @@ impl BliskDesk {
             surfaces: false,
             classed: classed(scheduler),
             burned: burned(scheduler),
-            scanned: scanned(scheduler),
+            scanned: Scanned::new(scheduler),
             picking: Picking::default(),
             ghosts: Vec::new(),
             measuring: false,

@@ -153,7 +153,11 @@ pub fn schedule_csv(schedule: &Schedule, electrodes: &[BurningElectrode]) -> Str
             let minutes = burned.entry((row.electrode, row.copy)).or_default();
             let figures = electrodes.get(row.electrode).map(|electrode| &electrode.figures);
             let of_channel = figures.and_then(|of| of.end_wear_mm.zip(of.minutes)).filter(|(_, of)| of.mean > 0.0);
-            wear = of_channel.map_or_else(String::new, |(wear, of)| format!("{:.4}", wear * *minutes / of.mean));
+            wear = match of_channel {
+                _ if *minutes == 0.0 => "0.0000".to_owned(),
+                Some((wear, of)) => format!("{:.4}", wear * *minutes / of.mean),
+                None => String::new(),
+            };
             *minutes += row.minutes;
         }
         // Writing into a string does not fail.
@@ -230,10 +234,12 @@ mod tests {
         let unknown = csv(known(20.0, WearShare::Known(1.0)));
         let rows: Vec<&str> = unknown.lines().collect();
         assert_eq!(rows[1], "1,set-up,0,1,1,0.000,30.000,0,");
-        assert_eq!(rows[2], "2,burn,0,1,1,30.000,20.000,0,");
+        assert_eq!(rows[2], "2,burn,0,1,1,30.000,20.000,0,0.0000", "a copy begins new");
         assert_eq!(rows[3], "3,indexing,1,1,2,50.000,0.500,0,");
         assert_eq!(rows[4], "4,change,1,1,2,50.500,4.000,1,");
-        assert_eq!((rows.len(), rows[8]), (9, "8,burn,2,1,3,79.000,20.000,0,"));
+        assert_eq!((rows.len(), rows[8]), (9, "8,burn,2,1,3,79.000,20.000,0,0.0000"));
+        let later = csv(known(20.0, WearShare::Unknown { at_least: 0.0 }));
+        assert!(later.lines().any(|row| row.contains(",burn,1,1,1,") && row.ends_with(",0,")), "{later}");
         // Two channels with each copy: the second is burned with what the first has left of it.
         let worn = csv(BurnFigures { end_wear_mm: Some(0.03), ..known(20.0, WearShare::Known(0.5)) });
         let wear: Vec<&str> =

@@ -148,7 +148,8 @@ impl<'a> Around<'a> {
 fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<Copying, PlanJobError> {
     let (job, electrode) = (around.job, outcome.burning());
     let mut wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
-    if let Some(wear_mm) = outcome.preset.map(|preset| preset.wear_mm()).filter(|wear| *wear > 0.0) {
+    if let Some(wear_mm) = outcome.preset.map(|preset| preset.wear_mm()).filter(|wear| *wear > 0.0 && !wanted.is_none())
+    {
         wanted = wanted.beyond(electrode, wear_mm);
     }
     let machine = &job.machine.seen_from_w(electrode.enters_from);

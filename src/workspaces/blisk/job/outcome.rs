@@ -68,6 +68,8 @@ pub struct ElectrodeOutcome {
     pub preset: Option<Preset>,
     /// The electrode as it is worn, in the pose that makes up for it; none of a new one.
     pub worn: Option<Electrode>,
+    /// Distance that the electrode would keep in that pose if nothing of it were worn (mm); none of a new one.
+    pub unworn_mm: Option<f64>,
     /// Distances at the nodes of the plan; none where they were not measured.
     pub distances: Vec<NodeDistances>,
     /// Sides that were tried before, and why they were left.
@@ -77,7 +79,19 @@ pub struct ElectrodeOutcome {
 impl ElectrodeOutcome {
     /// An electrode with its plan on the first side that is tried; its distances are not measured.
     pub(super) fn of(electrode: Electrode, plan: FeedPlan) -> Self {
-        Self { electrode, plan, preset: None, worn: None, distances: Vec::new(), tried: Vec::new() }
+        Self { electrode, plan, preset: None, worn: None, unworn_mm: None, distances: Vec::new(), tried: Vec::new() }
+    }
+
+    /// How the electrode stands and is worn, in a sentence; none where it is planned as nominal.
+    pub fn preset_sentence(&self) -> Option<String> {
+        let sentence = self.preset?.sentence();
+        let unworn = self.unworn_mm.map(|mm| {
+            format!(
+                ". The certificate takes every face that burns to have worn by exactly this, along the direction of burning; a \
+                 face that has not worn at all keeps {mm:.4} mm at least"
+            )
+        });
+        Some(sentence + &unworn.unwrap_or_default())
     }
 
     /// The electrode that burns: as it is worn, or new.
@@ -92,7 +106,7 @@ impl ElectrodeOutcome {
 
     /// Measures the distances at the nodes; a plan that is cancelled only then stays as it is, without them.
     pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder, Option<&Centreline>), task: &Task) {
-        let found = NodeDistances::at(&self.plan.nodes, &self.electrode, around, &task.cancel);
+        let found = NodeDistances::at(&self.plan.nodes, self.burning(), around, &task.cancel);
         self.distances = found.unwrap_or_default();
     }
 }

@@ -106,9 +106,12 @@ fn row(line: &str, columns: usize) -> Result<(usize, MeasuredElectrode), String>
         uncertainty_mm: within("uncertainty_mm", uncertainty_mm, [0.0, most_mm], "mm")?,
         ..Preset::default()
     };
-    // An electrode of which none is given is new.
-    let wear = wear.first().copied().filter(|text| !text.is_empty());
-    let wear_mm = wear.map_or(Ok(0.0), |text| within("wear_mm", text, [0.0, most_mm], "mm"))?;
+    // What is not known is not 0.
+    let wear_mm = match wear.first() {
+        None => 0.0,
+        Some(&"") => return Err("wear_mm is empty; give the wear in mm, or 0 for a new electrode".to_owned()),
+        Some(text) => within("wear_mm", text, [0.0, most_mm], "mm")?,
+    };
     Ok((number, MeasuredElectrode { preset, wear_mm }))
 }
 
@@ -187,8 +190,15 @@ pub fn with_presets(
         if let Some(planned) = &mut electrode.plan.path {
             let path = preset.path(&planned.path);
             let limits = job.machine.seen_from_w(electrode.electrode.enters_from).pose_limits();
-            let verifier = Verifier::new(blisk, &burning.mesh, to, &task.cancel)?.within(limits);
-            let certificate = verifier.verify(&path, &|p| finder.surface_of(p), &job.verify, task)?;
+            let certified = |mesh: &Mesh| {
+                let verifier = Verifier::new(blisk, mesh, to, &task.cancel)?.within(limits);
+                Ok::<_, PlanJobError>(verifier.verify(&path, &|p| finder.surface_of(p), &job.verify, task)?)
+            };
+            let certificate = certified(&burning.mesh)?;
+            if electrode.worn.is_some() {
+                let unworn = electrode.electrode.mesh.mapped(|p| p + advance);
+                electrode.unworn_mm = Some(certified(&unworn)?.certified());
+            }
             (planned.path, planned.certificate) = (path, certificate);
         }
         electrode.preset = Some(preset);
@@ -222,7 +232,7 @@ mod tests {
         assert_eq!(presets.keys().copied().collect::<Vec<_>>(), [1, 2]);
         let preset = Preset { x_mm: 0.1, y_mm: -0.02, c_deg: 0.25, uncertainty_mm: 0.002, ..Preset::default() };
         assert_eq!(presets[&2], MeasuredElectrode { preset, wear_mm: 0.0 });
-        let worn = format!("{}1,0,0,0,0,0.003,,0.08\n2,0,0,0,0,0.003,,\n", HEAD.replace("date", "date,wear_mm"));
+        let worn = format!("{}1,0,0,0,0,0.003,,0.08\n2,0,0,0,0,0.003,,0\n", HEAD.replace("date", "date,wear_mm"));
         assert_eq!(presets_of(&worn).unwrap().values().map(|of| of.wear_mm).collect::<Vec<_>>(), [0.08, 0.0]);
     }
 
@@ -240,5 +250,7 @@ mod tests {
             assert!(at == line && said.contains(words), "{rows}: line {at}: {said}");
         }
         assert_eq!(presets_of("a,b").unwrap_err().0, 1);
+        let unknown = presets_of(&format!("{}1,0,0,0,0,0.003,,\n", HEAD.replace("date", "date,wear_mm")));
+        assert!(unknown.unwrap_err().1.contains("wear_mm is empty"), "a wear that is not known is not 0");
     }
 }

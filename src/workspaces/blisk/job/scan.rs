@@ -8,10 +8,13 @@ use glam::DVec3;
 use measured::deviation::{Deviation, DeviationMap, Statistics, Tolerance, Verdict, Worst, deviations};
 use measured::fit::{BestFit, FitSettings, Freedoms, best_fit};
 use measured::{MeasuredError, Nominal};
+use rayon::prelude::*;
 use task::{Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::surfaces::{SurfaceClass, classify};
 
+/// Triangles between two looks at whether to stop.
+const BLOCK: usize = 256;
 /// Worst places that are listed.
 const WORST: usize = 10;
 /// Surface of a part that is no wheel.
@@ -38,14 +41,24 @@ impl Surfaces {
         let found = classify(mesh, channel, face_of, task)?;
         let name = |class| found.areas.iter().find(|area| area.class == class).map_or(PART, |area| area.name.as_str());
         let numbers = channel.numbers();
-        let number = |(corners, class): ([DVec3; 3], &SurfaceClass)| {
-            let bounds = !matches!(class, SurfaceClass::Elsewhere | SurfaceClass::Tip | SurfaceClass::Edge);
-            bounds.then(|| numbers.at(channel.frame.from_parent(corners.iter().sum::<DVec3>() / 3.0)))
+        let number = |(triangle, class): (usize, &SurfaceClass)| {
+            let wall = match class {
+                SurfaceClass::Elsewhere | SurfaceClass::Tip | SurfaceClass::Edge => return Ok(None),
+                SurfaceClass::MainLow | SurfaceClass::SplitterLow => Some(0),
+                SurfaceClass::MainHigh | SurfaceClass::SplitterHigh => Some(1),
+                SurfaceClass::Hub | SurfaceClass::Shroud | SurfaceClass::HubFillet | SurfaceClass::ShroudFillet => None,
+            };
+            if triangle.is_multiple_of(BLOCK) {
+                task.check()?;
+            }
+            let middle = mesh.corners(triangle).iter().sum::<DVec3>() / 3.0;
+            Ok(Some(numbers.at(channel.frame.from_parent(middle), wall)))
         };
         let names = found.classes.iter().map(|class| name(*class).to_owned()).collect();
         let is_open = |class: &SurfaceClass| !matches!(class, SurfaceClass::Elsewhere | SurfaceClass::Shroud);
         let open = found.classes.iter().map(is_open).collect();
-        Ok(Self { names, channels: mesh.iter_corners().zip(&found.classes).map(number).collect(), open })
+        let channels = found.classes.par_iter().enumerate().map(number).collect::<Result<_, Cancelled>>()?;
+        Ok(Self { names, channels, open })
     }
 
     /// Whether a triangle is seen by who looks into a channel without its shroud.

@@ -104,7 +104,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         required_clearance_mm: job.electrode.spark_gap_mm,
         tolerance_mm: job.verify.tolerance_mm,
         certified_clearance_mm: certificate.map(|c| c.certified()),
-        preset: outcome.preset.map(|preset| preset.sentence()),
+        preset: outcome.preset_sentence(),
         longest_jump_mm: plan.path.as_ref().filter(|p| p.certificate.holds()).map(|p| longest_jump(&p.path)),
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),

@@ -41,6 +41,21 @@ impl Designed {
         self.report.sentence_with(&self.set, overrides).replace("mm3", "mm³").replace("mm^3", "mm³")
     }
 
+    /// The electrodes with minutes and wear by the technology table as it is now.
+    pub(super) fn timed_again(&self, mold: &LoadedMold, found: &FoundUncut) -> Self {
+        let set = timed(self.set.clone());
+        Self {
+            report: report_on(&set, mold, found),
+            set,
+            shapes: self.shapes.clone(),
+            opening: self.opening,
+            doubts: self.doubts.clone(),
+            places: self.places.clone(),
+            is_proven: self.is_proven,
+            times: self.times.clone(),
+        }
+    }
+
     /// A place in each undivided part of a region, by number of the part; changes name the part by it. Upright (mm);
     /// none if the region is not burned straight down, or no place was found.
     pub fn leaves(&self, region: usize) -> Vec<Option<DVec3>> {
@@ -80,13 +95,8 @@ pub(super) fn design(
     Ok(Designed { times, ..shown(mold, found, set, found.is_proven) })
 }
 
-/// The electrodes with minutes and wear by the technology table as it is now, and everything shown of them.
-pub(super) fn timed_again(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
-    shown(mold, found, timed(set), is_proven)
-}
-
 /// The electrodes with everything shown of them, without overrides.
-fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
+pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
     let uncut = &found.uncut;
     let mut places = vec![None; set.regions.len()];
     for piece in &uncut.surface {
@@ -96,8 +106,14 @@ fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bo
     }
     let opening = uncut.params.opening;
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
-    let report = ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default(), uncut.is_certain());
-    let report = report.with_cad_faces(&found.report);
+    let report = report_on(&plain, mold, found);
     let (shapes, times) = (electrode_shapes(&plain), Vec::new());
     Designed { report, shapes, opening, doubts: uncut.doubts(), places, set: plain, is_proven, times }
+}
+
+/// The report on electrodes, without overrides.
+fn report_on(plain: &ElectrodeSet, mold: &LoadedMold, found: &FoundUncut) -> ElectrodesReport {
+    let uncut = &found.uncut;
+    let of = ElectrodesReport::of(plain, &mold.name, uncut.params.opening, &Datum::default(), uncut.is_certain());
+    of.with_cad_faces(&found.report)
 }

@@ -14,6 +14,7 @@ use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::job::divisions::{WayResult, compare_divisions};
+use crate::workspaces::mold::job::electrodes::timed;
 use crate::workspaces::mold::job::uncut::UncutParams;
 use crate::workspaces::mold::report::uncut::ComparisonReport;
 use crate::workspaces::news::{EventKind, WorkEvent};
@@ -62,6 +63,8 @@ pub struct MoldWork {
     uncut_exported: Memo<u64, String>,
     exports: u64,
     reloads: u64,
+    /// Whether the technology table has changed since minutes were computed.
+    is_table_changed: bool,
     priority: Priority,
     /// Cache of results, if there is one.
     pub results: Option<ResultCache>,
@@ -84,6 +87,7 @@ impl MoldWork {
             uncut_exported: Memo::new(scheduler, Lane::Long, "Export of rest material").remembering(1),
             exports: 0,
             reloads: 0,
+            is_table_changed: false,
             priority: Priority::Normal,
             results: None,
             looked_up: (None, None),
@@ -122,6 +126,7 @@ impl MoldWork {
             events.push(WorkEvent::of("Uncut", ended, |text| (EventKind::Done, text.clone())));
         }
         self.load(params);
+        self.follow_table();
         self.turn_to(params);
         self.take_up(params);
         events.extend(self.follow_wish(params));
@@ -302,7 +307,7 @@ impl MoldWork {
                 self.designed.ask(&asked, self.priority, move |_| {
                     let set = results.get(ELECTRODES, &named);
                     // The technology table may have changed since.
-                    set.map(|set| design::timed_again(&mold, &found, set, false)).ok_or_else(|| gone.to_owned())
+                    set.map(|set| design::shown(&mold, &found, timed(set), false)).ok_or_else(|| gone.to_owned())
                 });
             }
         }
@@ -445,19 +450,24 @@ impl MoldWork {
         Ok(())
     }
 
-    /// Computes minutes and wear again: the technology table has changed.
+    /// Computes minutes and wear again, once no electrodes are being made: the technology table has changed.
     pub fn recompute_burning(&mut self) {
+        self.is_table_changed = true;
+    }
+
+    fn follow_table(&mut self) {
+        if !self.is_table_changed || self.designed.is_busy() || self.divisions.is_busy() {
+            return;
+        }
+        self.is_table_changed = false;
         let last = self.designed.last().map(|(asked, made)| (asked.clone(), made.clone()));
         // Others that are remembered have the minutes of before.
         self.designed.clear();
         self.divisions.clear();
         self.looked_up.1 = None;
         let Some((asked, made)) = last else { return };
-        let (Some(mold), Some(found)) = (self.mold().cloned(), self.found.get(&asked.0).cloned()) else { return };
-        self.designed.restart(&asked, self.priority, move |_| {
-            let again = design::timed_again(&mold, &found, made.set.clone(), made.is_proven);
-            Ok(Designed { times: made.times.clone(), ..again })
-        });
+        let (Some(mold), Some(found)) = (self.mold(), self.found.get(&asked.0)) else { return };
+        self.designed.put(&asked, made.timed_again(mold, found).into());
     }
 
     /// State of the electrodes for `params`.
