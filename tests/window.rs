@@ -3,6 +3,8 @@
 //! Pictures are drawn by Mesa's software renderer (Debian: mesa-vulkan-drivers); `UPDATE_SNAPSHOTS=1` makes those in
 //! `tests/snapshots` anew, which must then be looked at.
 
+#[path = "window/burning.rs"]
+mod burning_window;
 mod common;
 #[path = "window/desk.rs"]
 mod desk;

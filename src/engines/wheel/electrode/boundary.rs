@@ -170,6 +170,11 @@ impl<'a> Boundary<'a> {
                     ElectrodeError::InsideBlisk { x, r } | ElectrodeError::NoPassage { x, r, .. } if is_way_out => {
                         ElectrodeError::WayOut { x, r }
                     }
+                    ElectrodeError::InsideBlisk { x, r } | ElectrodeError::NoPassage { x, r, .. } => {
+                        let [from, to] = self.channel.span_along();
+                        let beyond = (from - along).max(along - to);
+                        if beyond > 0.0 { ElectrodeError::Overrun { x, r, beyond } } else { error }
+                    }
                     other => other,
                 })
             })

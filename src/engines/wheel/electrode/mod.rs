@@ -299,6 +299,19 @@ pub enum ElectrodeError {
         /// Spark gap (mm).
         gap: f64,
     },
+    /// Straight on beyond the edges of its blades the channel's middle meets the blisk.
+    #[error(
+        "straight on beyond the edges of its blades the channel's middle meets the blisk {beyond:.2} mm farther on, at \
+         x = {x:.2} mm, radius {r:.2} mm, as ahead of a splitter: set overrun_mm to less than that"
+    )]
+    Overrun {
+        /// Place along X (mm).
+        x: f64,
+        /// Radius of the place (mm).
+        r: f64,
+        /// Distance from the edges, along the passage (mm).
+        beyond: f64,
+    },
     /// The middle of the channel is inside the blisk's mesh.
     #[error(
         "the channel's middle at x = {x:.2} mm, radius {r:.2} mm is inside the blisk's mesh: either the channel is \
