@@ -322,7 +322,7 @@ const MOST_INSIDE: f64 = 0.15;
 const CHORD_TO_SPARE: f64 = 0.5;
 const LEAST_CHORD: f64 = 1e-4;
 /// Times that known faces are drawn in where they reach beyond the mesh.
-const DRAWN_IN: u32 = 7;
+const DRAWN_IN: u32 = 12;
 /// Tolerances within which known faces are fitted, one after the other until a file is good: closer fits have more knots,
 /// and may wave between them.
 const FITS: [f64; 2] = [1.0, 4.0];
