@@ -21,7 +21,9 @@ fn a_technology_table_is_copied_changed_and_used() {
     desk.pictures("technology");
     desk.press("Save a copy…");
     desk.type_path(&own);
-    desk.until("the project uses the copy", |desk| desk.blisk().document.params().technology.table == own.to_string_lossy());
+    desk.until("the project uses the copy", |desk| {
+        desk.blisk().document.params().technology.table == own.to_string_lossy()
+    });
     let read = || TECHNOLOGY_FILE.read(&own).unwrap();
     let id = desk.blisk().document.params().technology.id.clone();
     // A figure of zero is given; one that is not possible is said to be so, and not taken.

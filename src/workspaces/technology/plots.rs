@@ -13,6 +13,9 @@ const HEIGHT: f32 = 190.0;
 /// Curve of a plot: its name, and the figure of a step.
 type Curve = (&'static str, fn(&Step) -> Option<f64>);
 
+/// Name of a step, and its point: decimal logarithms of its charge and of a figure.
+type StepPoint<'a> = (&'a str, [f64; 2]);
+
 const GAPS: [Curve; 2] =
     [("gap at the sides, mm", |step| step.gap_side_mm), ("gap at the front, mm", |step| step.gap_front_mm)];
 const RATES: [Curve; 1] = [("rate, mm³/min", |step| step.rate_mm3_min)];
@@ -32,11 +35,11 @@ pub(super) fn show(ui: &mut Ui, steps: &[Step]) {
 
 fn plot(ui: &mut Ui, name: &str, curves: &[Curve], steps: &[Step]) {
     let colours = palette(ui).axes;
-    let of = |(_, figure): &Curve| -> Vec<(&str, [f64; 2])> {
+    let of = |(_, figure): &Curve| -> Vec<StepPoint> {
         let at = |step: &'_ Step| Some([charge(step)?.log10(), figure(step).filter(|y| *y > 0.0)?.log10()]);
         steps.iter().filter_map(|step| Some((step.name.as_str(), at(step)?))).collect()
     };
-    let all: Vec<(Color32, &str, Vec<(&str, [f64; 2])>)> =
+    let all: Vec<(Color32, &str, Vec<StepPoint>)> =
         curves.iter().zip([2, 3]).map(|(curve, colour)| (colours[colour], curve.0, of(curve))).collect();
     let given = || all.iter().filter(|(.., points)| !points.is_empty());
     let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), HEIGHT), egui::Sense::hover());
