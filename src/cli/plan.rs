@@ -29,7 +29,10 @@ pub(super) fn plan(
     out: &Path,
     session: &Session,
 ) -> anyhow::Result<Answer> {
-    let (inputs, files) = load(project, session)?;
+    let (mut inputs, files) = load(project, session)?;
+    if let Some(presets) = presets {
+        inputs.job.setup.presets = Some(presets.display().to_string());
+    }
     let presets = presets.or(inputs.job.setup.presets.as_deref().map(Path::new)).map(read_presets).transpose()?;
     finish(inputs, files, presets.as_ref(), out, session)
 }

@@ -153,7 +153,7 @@ fn split<'a>(text: &'a str, file: &Path) -> Result<(String, Tail, Deserializer<'
         [own, params].map(|entries| Deserializer::from(Spanned::new(span.clone(), entries.into_iter().collect())));
     let mut tail = Tail::deserialize(own).map_err(|e| wrong(&e))?;
     let Some(kind) = tail.kind.take() else {
-        let remedy = "it is missing; write the workspace in the first line, as in kind = \"mold\"";
+        let remedy = "it is missing; write the workspace in the first line: kind = \"blisk\", \"mold\" or \"flank\"";
         return Err(FileError::placed(file, text, Invalid::of("kind", remedy)));
     };
     if tail.version > VERSION {

@@ -170,16 +170,38 @@ impl<'a> Boundary<'a> {
                     ElectrodeError::InsideBlisk { x, r } | ElectrodeError::NoPassage { x, r, .. } if is_way_out => {
                         ElectrodeError::WayOut { x, r }
                     }
-                    ElectrodeError::InsideBlisk { x, r } | ElectrodeError::NoPassage { x, r, .. } => {
-                        let [from, to] = self.channel.span_along();
-                        let beyond = (from - along).max(along - to);
-                        if beyond > 0.0 { ElectrodeError::Overrun { x, r, beyond } } else { error }
+                    ElectrodeError::InsideBlisk { .. } | ElectrodeError::NoPassage { .. } => {
+                        self.overrun(along).unwrap_or(error)
                     }
                     other => other,
                 })
             })
             .collect();
         solved.into_iter().collect()
+    }
+
+    /// How far straight on beyond the edges of the blades the channel's middle is free, where it is not at `along`; none where
+    /// that lies between the blades.
+    fn overrun(&self, along: f64) -> Option<ElectrodeError> {
+        const ROUNDS: usize = 10;
+        let [from, to] = self.channel.span_along();
+        let edge = if along < from { from } else { to };
+        let outside = along - edge;
+        if (from..=to).contains(&along) || self.section_at(edge).is_err() {
+            return None;
+        }
+        let (mut free, mut met) = (0.0, 1.0);
+        for _ in 0..ROUNDS {
+            let middle = 0.5 * (free + met);
+            match self.section_at(edge + middle * outside) {
+                Ok(_) => free = middle,
+                Err(_) => met = middle,
+            }
+        }
+        let line = self.channel.line_at(edge + met * outside);
+        let DVec2 { x, y: r } = line.place(0.5 * (line.ends[0] + line.ends[1]));
+        // What is said holds as it is said, with two decimals.
+        Some(ElectrodeError::Overrun { x, r, beyond: (100.0 * free * outside.abs()).floor() / 100.0 })
     }
 
     /// The middles of the intervals whose chords cut too deep: the deepest, and each time only half as many as may

@@ -301,15 +301,15 @@ pub enum ElectrodeError {
     },
     /// Straight on beyond the edges of its blades the channel's middle meets the blisk.
     #[error(
-        "straight on beyond the edges of its blades the channel's middle meets the blisk {beyond:.2} mm farther on, at \
-         x = {x:.2} mm, radius {r:.2} mm, as ahead of a splitter: set overrun_mm to less than that"
+        "straight on beyond the edges of its blades the channel's middle is free for {beyond:.2} mm, and meets the blisk at \
+         x = {x:.2} mm, radius {r:.2} mm, as ahead of a splitter: set overrun_mm to no more than that"
     )]
     Overrun {
         /// Place along X (mm).
         x: f64,
         /// Radius of the place (mm).
         r: f64,
-        /// Distance from the edges, along the passage (mm).
+        /// Distance from the edges, along the passage, up to which it is free (mm).
         beyond: f64,
     },
     /// The middle of the channel is inside the blisk's mesh.

@@ -266,6 +266,9 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         if ui.button("Go to the closest point").clicked() {
             desk.go_to(c.least().s);
         }
+        if let Some(preset) = outcome.preset_sentence() {
+            notice(ui, palette(ui).faint, &format!("{preset}."));
+        }
         if let Some(copying) = plan.copying(index) {
             notice(ui, palette(ui).faint, &copying.sentence());
         }

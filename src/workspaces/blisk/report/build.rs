@@ -105,6 +105,8 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         tolerance_mm: job.verify.tolerance_mm,
         certified_clearance_mm: certificate.map(|c| c.certified()),
         preset: outcome.preset_sentence(),
+        preset_values: outcome.preset,
+        unworn_mm: outcome.unworn_mm,
         longest_jump_mm: plan.path.as_ref().filter(|p| p.certificate.holds()).map(|p| longest_jump(&p.path)),
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),

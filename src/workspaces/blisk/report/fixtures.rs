@@ -119,6 +119,8 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         tolerance_mm: certificate.tolerance(),
         certified_clearance_mm: Some(certificate.certified()),
         preset: None,
+        preset_values: None,
+        unworn_mm: None,
         longest_jump_mm: None,
         least_clearance_mm: Some(certificate.least().distance),
         least_clearance_at: Some(ClearancePlace::of(certificate.least(), "pressure wall")),

@@ -26,6 +26,7 @@ use feed::certificate::{Certificate, Contact};
 use feed::objective::WallSpread;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
+use feed::preset::Preset;
 use feed::smoothness::AxisSmoothness;
 use feed::wall_clearances::WallClearances;
 use files::ParameterList;
@@ -405,6 +406,12 @@ pub struct ElectrodeReport {
     pub certified_clearance_mm: Option<f64>,
     /// Place of the electrode on its holder in a sentence; none where it is planned as nominal.
     pub preset: Option<String>,
+    /// Place of the electrode on its holder as numbers, and the way by which it goes on for its wear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset_values: Option<Preset>,
+    /// Distance that the electrode would keep if nothing of it were worn (mm); none of a new one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unworn_mm: Option<f64>,
     /// Longest jump back along the path that the certificate covers (mm); none without a verified path.
     pub longest_jump_mm: Option<f64>,
     /// Smallest clearance met: an upper bound of the least (mm).
