@@ -27,7 +27,7 @@ const COPY_NAME: &str = "technology.toml";
 /// The window of the technology table, which may be closed.
 #[derive(Default)]
 pub struct TechnologyWindow {
-    /// What the window shows. A closed window keeps a table that could not be written.
+    /// Content of the window. A closed window keeps a table that could not be written.
     editor: Option<TechnologyEditor>,
     is_open: bool,
 }
@@ -425,7 +425,7 @@ impl TechnologyEditor {
     }
 }
 
-/// What is wrong with a table, with the title of the technology in place of its number.
+/// Problem of a table in words, with the title of the technology in place of its number.
 fn in_words(table: &TechnologyFile, problem: &Invalid) -> String {
     let place = problem.key.strip_prefix("technology[").and_then(|rest| rest.split_once(']'));
     let found = place.and_then(|(i, rest)| Some((table.technology.get(i.parse::<usize>().ok()?)?, rest)));

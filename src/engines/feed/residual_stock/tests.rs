@@ -462,7 +462,7 @@ fn what_is_removed_and_what_is_left_make_the_channel() {
     assert_eq!(found, left_by(&burns), "the order of threads does not count");
 }
 
-/// What electrodes remove of a wheel that comes with an allowance, and what they leave, is the channel within the allowance of
+/// The stock that electrodes remove of a wheel that comes with an allowance, and that they leave, is the channel within the allowance of
 /// the finished blisk, counted with exact distances at places of its own.
 #[test]
 fn of_a_near_net_wheel_only_its_allowance_is_burned() {

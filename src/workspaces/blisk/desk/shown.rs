@@ -166,7 +166,7 @@ impl BliskDesk {
         self.deviation_map().filter(|_| self.deviations)
     }
 
-    /// What the scan of the finished part is off, or else the measured sections, with title and where its colours end (mm).
+    /// Map of the deviations of the scan, or else of the measured sections, with its title and where its colours end (mm).
     pub fn deviation_map(&self) -> Option<(&MapShape, &'static str, f64)> {
         if let Some(scan) = self.scan() {
             let [_, tolerance] = scan.part.verdict.tolerance.range_mm();

@@ -27,9 +27,9 @@ pub struct SetUpSection {
 pub struct DatumRow {
     /// X of the ball's centre or of the corner (mm).
     pub x_mm: f64,
-    /// Its Y (mm).
+    /// Y of that (mm).
     pub y_mm: f64,
-    /// Its Z (mm).
+    /// Z of that (mm).
     pub z_mm: f64,
     /// Radius of a ball (mm); none of a corner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -43,7 +43,7 @@ impl Default for SetUpSection {
 }
 
 impl SetUpSection {
-    /// What the set-up sheet is made of; none without a datum.
+    /// Settings of the set-up sheet; none without a datum.
     pub fn set_up(&self) -> Option<SetUp> {
         let datum = |row: &DatumRow| Datum { place: DVec3::new(row.x_mm, row.y_mm, row.z_mm), radius: row.radius_mm };
         let check = self

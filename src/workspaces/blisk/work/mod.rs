@@ -3,6 +3,7 @@
 //! in `release`.
 
 mod looks;
+mod measured;
 pub mod release;
 #[cfg(test)]
 mod tests;
@@ -30,6 +31,7 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{PartFile, Validate as _};
 pub use looks::ElectrodeTable;
 use looks::Looks;
+use measured::MeasuredKey;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State};
 
 /// How long work may take before more is said of it than its result: what takes less would only flicker.
@@ -76,8 +78,6 @@ enum Wish {
     Plan,
     Table(ElectrodeTable),
 }
-
-type MeasuredKey = (Same<Planned>, String, u64);
 
 /// Everything that is computed for a blisk.
 pub struct BliskWork {
@@ -166,16 +166,6 @@ impl BliskWork {
     /// How often they were read again.
     pub fn reloads(&self) -> u64 {
         self.reloads
-    }
-
-    /// Computes minutes and wear again: the technology table has changed.
-    pub fn recompute_burning(&mut self) {
-        self.technology_edits += 1;
-    }
-
-    /// How often the technology table has changed.
-    pub fn technology_edits(&self) -> u64 {
-        self.technology_edits
     }
 
     fn part_key(&self, job: &PlanJob) -> Fingerprint {
@@ -338,23 +328,6 @@ impl BliskWork {
         };
         self.finished
             .ask(&Same(planned.clone()), self.priority, move |work| Finished::of(&planned, &found.blisk, &work.task));
-    }
-
-    fn measured_key(&self) -> Option<MeasuredKey> {
-        let now = self.now.as_ref()?;
-        let presets = now.job.setup.presets.clone()?;
-        let planned = self.planned.get(&now.plan).filter(|planned| planned.outcome.is_verified())?;
-        Some((Same(planned.clone()), presets, self.reloads))
-    }
-
-    /// Rewrites the plan for the electrodes as they are measured, if they are.
-    fn follow_measured(&mut self) {
-        let found = self.now.as_ref().and_then(|now| self.channel.get(&now.channel)).cloned();
-        let (Some(found), Some(key), false) = (found, self.measured_key(), self.is_planning()) else {
-            return self.measured.stop();
-        };
-        let (planned, presets) = (key.0.0.clone(), key.1.clone());
-        self.measured.ask(&key, self.priority, move |work| planned.as_measured(&presets, &found.blisk, &work.task));
     }
 
     /// Has the document keep the present plan, for nominal electrodes.
