@@ -1,4 +1,4 @@
-//! Plans for the electrodes as they are measured, and the changes of the technology table.
+//! Plans for the electrodes as they are measured.
 
 use super::BliskWork;
 use crate::workspaces::blisk::job::planned::Planned;
@@ -24,15 +24,5 @@ impl BliskWork {
         };
         let (planned, presets) = (key.0.0.clone(), key.1.clone());
         self.measured.ask(&key, self.priority, move |work| planned.as_measured(&presets, &found.blisk, &work.task));
-    }
-
-    /// Computes minutes and wear again: the technology table has changed.
-    pub fn recompute_burning(&mut self) {
-        self.technology_edits += 1;
-    }
-
-    /// How often the technology table has changed.
-    pub fn technology_edits(&self) -> u64 {
-        self.technology_edits
     }
 }

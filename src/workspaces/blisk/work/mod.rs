@@ -168,6 +168,16 @@ impl BliskWork {
         self.reloads
     }
 
+    /// Computes minutes and wear again: the technology table has changed.
+    pub fn recompute_burning(&mut self) {
+        self.technology_edits += 1;
+    }
+
+    /// How often the technology table has changed.
+    pub fn technology_edits(&self) -> u64 {
+        self.technology_edits
+    }
+
     fn part_key(&self, job: &PlanJob) -> Fingerprint {
         Fingerprint::of(Stage::Part, job, &format!("{:?}/{}", job.electrode.mesh, self.reloads))
     }
