@@ -21,6 +21,8 @@ mod radial;
 mod random;
 #[path = "feed/replay.rs"]
 mod replay;
+#[path = "feed/stages.rs"]
+mod stages;
 
 use std::sync::{Arc, OnceLock};
 

@@ -193,7 +193,7 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     for (e, o) in report.electrodes.iter().zip(&outcome.electrodes) {
         say!(
             "electrode {} enters from {}: volume {:.1} mm3, least thickness {:.3} mm, burn area {:.1} mm2",
-            e.index,
+            o.electrode.label(e.index - 1),
             e.enters_from,
             e.volume_mm3,
             o.electrode.least_thickness_mm,
@@ -227,15 +227,15 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
 /// Minutes and wear of each electrode, what they rest on and what is missing, and the hours of the wheel.
 fn print_burning(burning: &WheelBurning) {
     let mut told = Vec::new();
-    for (i, electrode) in burning.electrodes.iter().enumerate() {
-        let BurningElectrode { figures, .. } = electrode;
+    for electrode in &burning.electrodes {
+        let BurningElectrode { label, figures, .. } = electrode;
         let of_burn = figures.volume_mm3.zip(figures.frontal_area_mm2).map_or_else(
             || "volume and frontal area not known".to_owned(),
             |(volume, [least, greatest])| {
                 format!("{volume:.1} mm3 on a frontal area of {least:.1} to {greatest:.1} mm2")
             },
         );
-        say!("burning    electrode {}: {of_burn}: {}, {}", i + 1, figures.minutes_text(), figures.wear_text());
+        say!("burning    electrode {label}: {of_burn}: {}, {}", figures.minutes_text(), figures.wear_text());
         for step in figures.steps.iter().filter(|step| step.volume_mm3 != Some(0.0)) {
             let or_none = |value: Option<f64>, unit: &str| {
                 value.map_or_else(|| format!("? {unit}"), |value| format!("{value:.2} {unit}"))

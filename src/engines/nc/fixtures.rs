@@ -185,6 +185,7 @@ impl Scene {
             mesh: self.electrode.clone(),
             enters_from: self.side,
             reference_point: self.path.reference_point,
+            stage: None,
             part: 0,
             parts: 1,
             column: None,

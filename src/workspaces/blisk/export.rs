@@ -314,11 +314,14 @@ fn step_file(k: usize, whole: &PlanOutcome, context: &Context, cancel: &Cancel) 
     let Some(feed) = feed else { return Ok(Err("the path of the electrode is not certified".to_owned())) };
     let copying = whole.copying(k - 1).and_then(Copying::certified).map(|motion| to_spare(&motion.certificate));
     let to_spare = copying.map_or(to_spare(feed), |copying| copying.min(to_spare(feed)));
-    let properties = [
+    let mut properties = vec![
         text("role", "electrode"),
-        length("spark gap", job.electrode.spark_gap_mm),
+        length("spark gap", job.electrode.burned_gap_mm(k - 1)),
         text("enters from", outcome.electrode.enters_from.name()),
     ];
+    if let Some(stage) = job.electrode.stage_of(k - 1) {
+        properties.extend([text("stage", &stage.name), length("stock left", stage.stock_mm)]);
+    }
     let name = format!("electrode {k}");
     let of_electrode = &outcome.electrode.patches;
     let roles: Vec<Role> = of_electrode.iter().map(|patch| role(patch.face, context.channel)).collect();
@@ -386,7 +389,11 @@ fn electrode_files(
     }
     let electrode_file = electrode_in_program(k, outcome.worn.is_some(), &context.job.export);
     let setting = whole.setting(k - 1).map(|room| format!("Setting up: {}", room.sentence()));
-    let notes: Vec<String> = outcome.preset_sentence().into_iter().chain(setting).collect();
+    let stage = context.job.electrode.stage_of(k - 1).map(|stage| {
+        let (name, gap, stock) = (&stage.name, stage.spark_gap_mm, stage.stock_mm);
+        format!("Stage {name}: spark gap {gap} mm, {stock} mm of stock are left; the required clearance is both")
+    });
+    let notes: Vec<String> = stage.into_iter().chain(outcome.preset_sentence()).chain(setting).collect();
     let nc_job = NcJob {
         program: &format!("path_{k}"),
         electrode_file: &electrode_file,

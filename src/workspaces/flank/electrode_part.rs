@@ -118,6 +118,7 @@ mod tests {
             faces,
             enters_from: EntrySide::PlusX,
             reference_point: DVec3::ZERO,
+            stage: None,
             part: 0,
             parts: 1,
             column: None,

@@ -51,6 +51,8 @@ pub const TOLERANCE: f64 = 0.03;
 pub struct Burn<'a> {
     /// The electrode.
     pub electrode: &'a Electrode,
+    /// Spark gap that it burns in (mm).
+    pub spark_gap: f64,
     /// Poses of its feed towards the final pose, which is the last of them; empty to leave it out.
     pub feed: Vec<Pose>,
     /// Poses of its copying motion; empty if there is none.
@@ -65,12 +67,13 @@ pub struct Site<'a> {
     pub channel: &'a Channel,
     /// The surfaces of the channel.
     pub finder: &'a SurfaceFinder,
-    /// Spark gap (mm).
+    /// Spark gap of the last burns, which make the surface (mm).
     pub spark_gap: f64,
     /// Where electrodes meet: the surface is looked at more closely there.
     pub junctions: Junctions,
-    /// Distance to the finished surface that all the motions are proven to keep (mm); 0 if nothing is proven.
-    pub proven: f64,
+    /// Distance to the finished surface that all the motions are proven to keep, each less the spark gap that it burns in (mm);
+    /// none if nothing is proven.
+    pub proven: Option<f64>,
     /// The wheel before it is burned.
     pub blank: Blank<'a>,
 }
@@ -211,6 +214,7 @@ impl From<CutterError> for ResidualStockError {
 pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<ResidualStock, ResidualStockError> {
     let task = task.as_stage("residual stock");
     let mut cutters = Vec::with_capacity(burns.len());
+    let gaps: Vec<f64> = burns.iter().map(|burn| burn.spark_gap).collect();
     let [from, to] = site.channel.span_x();
     let span = [from - 1.0, to + 1.0];
     for burn in burns {
@@ -218,7 +222,7 @@ pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<Residu
         let electrode = burn.electrode;
         cutters.push(Cutter::new(&electrode.mesh, electrode.reference_point, span, motions, &task)?);
     }
-    let removal = Removal { cutters, spark_gap: site.spark_gap, blank: Stocked::new(site.blank, site.blisk)? };
+    let removal = Removal { cutters, gaps, blank: Stocked::new(site.blank, site.blisk)? };
     let passage = Passage::new(site.channel).ok_or(ResidualStockError::NoWalls)?;
     let patch = surface::patch(site, &passage, &task.cancel)?;
     let deviation = surface::deviations(&patch, &removal, least_deviation(site), &task)?;
@@ -232,39 +236,40 @@ pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<Residu
 
 /// A deviation that no motion can make much less (mm): what is proven, and twice the error of the field.
 fn least_deviation(site: &Site) -> f64 {
-    if site.proven > 0.0 { site.proven - site.spark_gap + 2.0 * DistanceField::ACCURACY } else { f64::NEG_INFINITY }
+    site.proven.map_or(f64::NEG_INFINITY, |proven| proven + 2.0 * DistanceField::ACCURACY)
 }
 
 /// All electrodes together.
 struct Removal {
     cutters: Vec<Cutter>,
-    spark_gap: f64,
+    /// Spark gaps of the cutters (mm).
+    gaps: Vec<f64>,
     blank: Stocked,
 }
 
 impl Removal {
     /// The greatest deviation that can be told (mm).
     fn most(&self) -> f64 {
-        REACH - self.spark_gap
+        REACH - self.gaps.iter().copied().fold(0.0, f64::max)
     }
 
     /// Thickness of the stock left at `p` (mm), negative where `p` is eroded; at most [`most`](Self::most). Once it is
     /// known to be `enough` or less the rest is not looked at.
     fn deviation(&self, p: DVec3, enough: f64) -> f64 {
-        let enough = enough + self.spark_gap;
-        let in_final_pose = self.cutters.iter().filter_map(|c| c.in_final_pose(p));
-        let mut least = in_final_pose.fold(REACH, f64::min);
+        let cutters = || self.cutters.iter().zip(&self.gaps);
+        let in_final_pose = cutters().filter_map(|(c, gap)| Some(c.in_final_pose(p)? - gap));
+        let mut least = in_final_pose.fold(self.most(), f64::min);
         // What costs least comes first: few points need all of it.
-        for cutter in &self.cutters {
+        for (cutter, gap) in cutters() {
             if least > enough {
-                least = cutter.at_rows(p, least);
+                least = cutter.at_rows(p, least + gap) - gap;
             }
         }
-        for cutter in &self.cutters {
+        for (cutter, gap) in cutters() {
             if least > enough {
-                least = cutter.least(p, least, enough);
+                least = cutter.least(p, least + gap, enough + gap) - gap;
             }
         }
-        least - self.spark_gap
+        least
     }
 }

@@ -104,7 +104,6 @@ pub(super) fn removed(
     let stations: Vec<Vec<Stations>> = burns.iter().zip(&removal.cutters).map(of_burn).collect();
     let nothing: Vec<Vec<Vec<f64>>> =
         stations.iter().map(|of| of.iter().map(|s| vec![0.0; s.motion.len()]).collect()).collect();
-    let within = removal.spark_gap + DistanceField::ACCURACY;
     let sections = Sections::of(passage, FINER);
     let of_section = |i: usize| {
         let mut sums = nothing.clone();
@@ -117,7 +116,9 @@ pub(super) fn removed(
                 if !removal.blank.holds(p) {
                     continue;
                 }
-                let first = stations.iter().zip(&removal.cutters).enumerate().find_map(|(b, (of, cutter))| {
+                let cutters = removal.cutters.iter().zip(&removal.gaps);
+                let first = stations.iter().zip(cutters).enumerate().find_map(|(b, (of, (cutter, gap)))| {
+                    let within = gap + DistanceField::ACCURACY;
                     let row = |(m, s): (usize, &Stations)| Some((m, cutter.first_row_within(&s.motion, p, within)?));
                     of.iter().enumerate().find_map(row).map(|(m, row)| (b, m, row))
                 });

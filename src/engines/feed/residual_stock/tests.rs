@@ -53,7 +53,7 @@ fn site() -> Site<'static> {
         finder: &PART.finder,
         spark_gap: GAP,
         junctions,
-        proven: 0.0,
+        proven: None,
         blank,
     }
 }
@@ -77,7 +77,7 @@ fn left_by(burns: &[Burn]) -> ResidualStock {
 }
 
 fn standing(electrodes: &[Electrode]) -> ResidualStock {
-    let burn = |electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() };
+    let burn = |electrode| Burn { electrode, spark_gap: GAP, feed: Vec::new(), copying: Vec::new() };
     left_by(&electrodes.iter().map(burn).collect::<Vec<_>>())
 }
 
@@ -85,8 +85,10 @@ fn standing(electrodes: &[Electrode]) -> ResidualStock {
 fn divided(params: &ElectrodeParams) -> ResidualStock {
     let electrodes = make(params);
     assert!(electrodes.iter().all(|e| e.mesh.is_watertight()) && electrodes.len() == params.count());
-    let burns: Vec<_> =
-        electrodes.iter().map(|electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() }).collect();
+    let burns: Vec<_> = electrodes
+        .iter()
+        .map(|electrode| Burn { electrode, spark_gap: GAP, feed: Vec::new(), copying: Vec::new() })
+        .collect();
     let site = Site { junctions: Junctions::of(&PART.channel, params).unwrap(), ..site() };
     residual_stock(&site, &burns, &Task::default()).unwrap()
 }
@@ -101,6 +103,30 @@ fn ridge(found: &ResidualStock, surfaces: [Surface; 2], off: impl Fn(DVec3) -> f
         .filter(|(p, _)| off(*p).abs() < near && (2.0..12.0).contains(&p.x))
         .map(|(_, d)| d)
         .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// An electrode that stands a gap and a stock away from the surface and burns in that gap leaves the stock; one that burns
+/// after it takes that away, and no more than that is left for it.
+#[test]
+fn a_stage_leaves_its_stock_for_the_next_one() {
+    const STOCK: f64 = 0.15;
+    let wide = ElectrodeParams { spark_gap_mm: 2.0 * GAP + STOCK, ..unreduced() };
+    let (rough, finish) = (make(&wide), make(&unreduced()));
+    // A longer way straight through a curved channel would cut into its walls.
+    let burn = |electrode, spark_gap| Burn { electrode, spark_gap, feed: straight(0.01), copying: Vec::new() };
+    let left = left_by(&[burn(&rough[0], 2.0 * GAP)]);
+    // Away from the corners, from which the edges of the electrode stay farther away.
+    let is_inner = |p: &DVec3| (91.0..99.0).contains(&p.y.hypot(p.z)) && (2.0..12.0).contains(&p.x);
+    let places = left.map.mesh.vertices.iter().zip(left.map.deviation.iter());
+    let inner: Vec<f64> = places.filter(|(p, _)| is_inner(p)).map(|(_, d)| f64::from(*d)).collect();
+    assert!(inner.len() > 100 && inner.iter().all(|d| (d - STOCK).abs() < ERROR), "{inner:?}");
+    assert_eq!(left.deepest(), None);
+    let both = left_by(&[burn(&rough[0], 2.0 * GAP), burn(&finish[0], GAP)]);
+    assert_eq!((both.thickest(), both.deepest()), (left_by(&[burn(&finish[0], GAP)]).thickest(), None));
+    let volume = |pieces: &[Piece]| pieces.iter().map(|piece| piece.volume_mm3).sum::<f64>();
+    let area: f64 = left.surfaces.iter().map(|surface| surface.area_mm2).sum();
+    let (layer, removed) = (STOCK * area, volume(&both.removed[1]));
+    assert!((0.85..1.15).contains(&(removed / layer)), "{removed} mm3 for a layer of {layer} mm3");
 }
 
 #[test]
@@ -261,7 +287,7 @@ fn the_copying_motion_brings_every_wall_to_its_gap() {
     let copying = made(motion(&electrodes[0], &reduced, AxisSet::XYZAC));
     assert!(copying.holds() && copying.is_whole(), "{copying:#?}");
     let poses: Vec<Pose> = copying.path.rows.iter().map(|r| r.pose).collect();
-    let burn = |copying: Vec<Pose>| Burn { electrode: &electrodes[0], feed: Vec::new(), copying };
+    let burn = |copying: Vec<Pose>| Burn { electrode: &electrodes[0], spark_gap: GAP, feed: Vec::new(), copying };
     let (without, with) = (left_by(&[burn(Vec::new())]), left_by(&[burn(poses.clone())]));
     for (p, d, _) in on_walls(&with) {
         // The step that lifts it over the facets of the hub moves it along the walls.
@@ -271,7 +297,7 @@ fn the_copying_motion_brings_every_wall_to_its_gap() {
     assert!(with.surfaces.iter().all(|s| s.overcut.at.is_none()), "{:?}", with.surfaces);
     // A feed can only take away.
     let feed = vec![Pose { x: -9.0, ..Pose::FINAL }, Pose::FINAL];
-    let fed = left_by(&[Burn { electrode: &electrodes[0], feed, copying: poses }]);
+    let fed = left_by(&[Burn { electrode: &electrodes[0], spark_gap: GAP, feed, copying: poses }]);
     assert!(fed.stock.left_mm3 <= with.stock.left_mm3 + 1e-9);
     let less = fed.map.deviation.iter().zip(with.map.deviation.iter());
     let more = less.map(|(fed, unfed)| fed - unfed).fold(0.0, f32::max);
@@ -323,7 +349,7 @@ fn columns_that_overlap_leave_no_more_than_one_electrode_and_a_web_where_they_do
 #[test]
 fn what_another_shell_buries_is_no_surface_of_the_channel() {
     let electrode = &make(&unreduced())[0];
-    let burn = || [Burn { electrode, feed: Vec::new(), copying: Vec::new() }];
+    let burn = || [Burn { electrode, spark_gap: GAP, feed: Vec::new(), copying: Vec::new() }];
     let ring = turned_part(&[[2.0, 89.0], [12.0, 89.0], [12.0, 89.6], [2.0, 89.6]], 120);
     let with_ring = together(PART.mesh.clone(), &ring);
     let buried = residual_stock(&Site { blisk: &with_ring, ..site() }, &burn(), &Task::default()).unwrap();
@@ -427,7 +453,7 @@ fn bar() -> Electrode {
 #[test]
 fn a_bar_removes_its_section_along_its_way() {
     let electrode = bar();
-    let burn = || Burn { electrode: &electrode, feed: straight(30.0), copying: Vec::new() };
+    let burn = || Burn { electrode: &electrode, spark_gap: GAP, feed: straight(30.0), copying: Vec::new() };
     let removed = left_by(&[burn(), burn()]).removed;
     let gap = GAP + DistanceField::ACCURACY;
     let section = (3.0 + 2.0 * gap).powi(2) - (4.0 - std::f64::consts::PI) * gap * gap;
@@ -449,8 +475,10 @@ fn a_bar_removes_its_section_along_its_way() {
 #[test]
 fn what_is_removed_and_what_is_left_make_the_channel() {
     let electrodes = make(&ElectrodeParams { parts: 2, ..unreduced() });
-    let burns: Vec<Burn> =
-        electrodes.iter().map(|electrode| Burn { electrode, feed: straight(40.0), copying: Vec::new() }).collect();
+    let burns: Vec<Burn> = electrodes
+        .iter()
+        .map(|electrode| Burn { electrode, spark_gap: GAP, feed: straight(40.0), copying: Vec::new() })
+        .collect();
     let found = left_by(&burns);
     let all: f64 = found.removed.iter().flatten().map(|piece| piece.volume_mm3).sum();
     let gone = found.stock.channel_mm3 - found.stock.left_mm3;
@@ -471,7 +499,7 @@ fn of_a_near_net_wheel_only_its_allowance_is_burned() {
     // The electrode as it stands and as it comes in from -X.
     let feed: Vec<crate::pose::Pose> =
         (0..=40).rev().map(|k| crate::pose::Pose { x: -f64::from(k) * 0.5, ..crate::pose::Pose::FINAL }).collect();
-    let burn = || vec![Burn { electrode: &electrodes[0], feed: feed.clone(), copying: Vec::new() }];
+    let burn = || vec![Burn { electrode: &electrodes[0], spark_gap: GAP, feed: feed.clone(), copying: Vec::new() }];
     let by = |blank| residual_stock(&Site { blank, ..site() }, &burn(), &Task::default()).unwrap();
     let sum = |found: &ResidualStock| found.removed.iter().flatten().map(|piece| piece.volume_mm3).sum::<f64>();
     let (full, near) = (by(Blank::Full), by(Blank::Allowance(ALLOWANCE)));

@@ -127,6 +127,7 @@ fn finish(
     Electrode {
         enters_from: plan.which.side,
         reference_point: measure::reference_point(&mesh, &faces, plan.which.side, plan.channel.flow),
+        stage: None,
         part: plan.which.part,
         parts: plan.params.parts,
         column: plan.which.column,

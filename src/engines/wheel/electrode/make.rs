@@ -24,8 +24,8 @@ const MOST_ATTEMPTS: usize = 4;
 /// certificate tolerates.
 pub(super) const MOST_SHORTFALL: f64 = 2e-3;
 
-/// Makes the electrodes of `channel` that enter from `side`, in the order of burning: the part next to that side first,
-/// and of each part the low column first.
+/// Makes the electrodes of the first stage of `channel` that enter from `side`, in the order of burning: the part next to that
+/// side first, and of each part the low column first.
 ///
 /// # Errors
 /// Every error of [`make_electrode`].
@@ -44,8 +44,8 @@ pub fn make_electrodes(
     numbers.map(|number| make_electrode(channel, blisk, params, (number, side), task)).collect()
 }
 
-/// Makes electrode number `number` of `channel`, counted along the passage from its first station, the columns of one
-/// part low to high, to enter from `side`.
+/// Makes electrode number `number` of `channel`, counted through the stages and in each along the passage from its first
+/// station, the columns of one part low to high, to enter from `side`.
 ///
 /// `blisk` is the finished blisk in W. The result does not depend on the number of threads.
 ///
@@ -59,6 +59,8 @@ pub fn make_electrode(
     task: &Task,
 ) -> Result<Electrode, ElectrodeError> {
     params.validate()?;
+    let (stage, number) = params.in_stage(number);
+    let params = params.of_stage(stage);
     let (part, column) = params.place_of(number);
     let which = Which { part, column, side, at_last: side.mouth(channel)? };
     let params = params.of_part(part);

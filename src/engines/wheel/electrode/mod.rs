@@ -18,6 +18,7 @@ mod measure;
 mod own;
 mod params;
 mod ring;
+mod stage;
 pub mod walls;
 mod worn;
 
@@ -31,6 +32,7 @@ use serde::{Deserialize, Serialize};
 pub use make::{Junctions, make_electrode, make_electrodes};
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, OwnMesh, PartParams, Sizing};
+pub use stage::StageParams;
 
 use crate::channel::{Channel, Flow, OPENS, ways_out};
 use geometry::exact::ExactMeshError;
@@ -218,6 +220,8 @@ pub struct Electrode {
     /// Reference point O in W: in an axial passage the middle of the burning part along X, y = 0, its mean radius as z;
     /// in any other the middle of the holder, at the burning part's middle along the direction of withdrawal (mm).
     pub reference_point: DVec3,
+    /// Name of the stage that it burns in; none where there are no stages.
+    pub stage: Option<String>,
     /// Number of the part of the channel that the electrode burns, counted along the passage from its first station,
     /// from 0.
     pub part: usize,
@@ -250,14 +254,20 @@ impl Electrode {
         if all > 0.0 { sum / all } else { self.reference_point }
     }
 
-    /// Share of a divided channel that the electrode burns: `part 1 of 2, low side`; empty for a single electrode.
+    /// Number of the electrode in lists, where it is at `index` of all, and its stage: `2 (finish)`.
+    pub fn label(&self, index: usize) -> String {
+        stage::label(index, self.stage.as_deref())
+    }
+
+    /// Stage and share of a divided channel that the electrode burns: `finish, part 1 of 2, low side`; empty for a single
+    /// electrode.
     pub fn share(&self) -> String {
         let part = (self.parts > 1).then(|| format!("part {} of {}", self.part + 1, self.parts));
         let column = self.column.map(|column| match column {
             Column::Low => "low side".to_owned(),
             Column::High => "high side".to_owned(),
         });
-        part.into_iter().chain(column).collect::<Vec<_>>().join(", ")
+        self.stage.clone().into_iter().chain(part).chain(column).collect::<Vec<_>>().join(", ")
     }
 }
 

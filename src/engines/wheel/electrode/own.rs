@@ -49,6 +49,7 @@ pub fn from_user_mesh(
     Ok(Electrode {
         enters_from: side,
         reference_point: reference_point(&mesh, &faces, side, channel.flow),
+        stage: None,
         part: 0,
         parts: 1,
         column: None,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use files::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::{Column, ElectrodeError, EntrySide};
+use super::{Column, ElectrodeError, EntrySide, StageParams};
 use crate::channel::Channel;
 use crate::options::Auto;
 
@@ -48,6 +48,10 @@ pub struct ElectrodeParams {
     /// Distance by which the burning part reaches past the tips of the blades' edges, at most to where the passage
     /// ends (mm).
     pub overrun_mm: f64,
+    /// Stages in which the channel is burned, in order, each by electrodes of its own (`[[electrode.stage]]`). Without a row
+    /// there is one stage, with what is given above.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stage: Vec<StageParams>,
     /// Inset of the shank from the burning part, all round (mm).
     pub shank_inset_mm: f64,
     /// Inset of the shank of a part that stands deeper in the channel, where it passes between the blades (mm).
@@ -76,6 +80,7 @@ impl Default for ElectrodeParams {
             mesh: None,
             more: Vec::new(),
             overrun_mm: 0.5,
+            stage: Vec::new(),
             shank_inset_mm: 0.3,
             channel_shank_inset_mm: 0.5,
             shank_length_mm: 10.0,
@@ -132,10 +137,11 @@ impl PartParams {
 
 /// Range of the share of the low column.
 pub(super) const COLUMN_SPLIT: [f64; 2] = [0.1, 0.9];
-/// Ranges that hold for all parts and for single ones.
+/// Ranges that hold for all parts and stages and for single ones.
+pub(super) const GAP: [f64; 2] = [0.005, 2.0];
 const OVERLAP: [f64; 2] = [0.0, 100.0];
-const TURN: [f64; 2] = [0.0, 45.0];
-const RADIAL: [f64; 2] = [0.0, 100.0];
+pub(super) const TURN: [f64; 2] = [0.0, 45.0];
+pub(super) const RADIAL: [f64; 2] = [0.0, 100.0];
 
 /// The wanted side of entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -228,7 +234,7 @@ impl ElectrodeParams {
         let [low, high] = self.circumferential_reduction_deg;
         let [length, width, height] = self.holder_mm;
         [
-            ("spark_gap_mm", self.spark_gap_mm, [0.005, 2.0], "mm"),
+            ("spark_gap_mm", self.spark_gap_mm, GAP, "mm"),
             ("circumferential_reduction_deg[0]", low, TURN, "deg"),
             ("circumferential_reduction_deg[1]", high, TURN, "deg"),
             ("radial_reduction_mm", self.radial_reduction_mm, RADIAL, "mm"),
@@ -249,6 +255,7 @@ impl ElectrodeParams {
         .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
         .and_then(|()| self.validate_own())
         .and_then(|()| self.validate_parts())
+        .and_then(|()| self.validate_stages())
         .map_err(|problem| problem.within("electrode"))
     }
 
@@ -301,9 +308,9 @@ impl ElectrodeParams {
         self.mesh.as_deref().into_iter().chain(more)
     }
 
-    /// Number of electrodes that the channel is divided between.
+    /// Number of electrodes that the channel is divided between, in all stages.
     pub fn count(&self) -> usize {
-        if self.mesh.is_some() { 1 + self.more.len() } else { self.parts * self.columns }
+        if self.mesh.is_some() { 1 + self.more.len() } else { self.stages() * self.parts * self.columns }
     }
 
     /// The parameters that hold for part `part` along the passage: of its own row only the division is left.
@@ -329,8 +336,8 @@ impl ElectrodeParams {
         }
     }
 
-    /// Part and column of electrode number `number`, counted along the passage, the columns of one part low to high;
-    /// electrodes of one's own are parts.
+    /// Part and column of electrode number `number` in its [stage](Self::in_stage), counted along the passage, the columns of one
+    /// part low to high; electrodes of one's own are parts.
     pub fn place_of(&self, number: usize) -> (usize, Option<Column>) {
         if self.mesh.is_some() {
             return (number, None);

@@ -160,7 +160,7 @@ impl BliskDesk {
     /// its title and where its colours end (mm).
     fn shown_map(&self) -> Option<(&MapShape, &'static str, f64)> {
         if let Some(shape) = self.residual_stock_shape().filter(|_| self.residual_stock) {
-            let limit = colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm);
+            let limit = colour_limit(shape.greatest, self.document.params().electrode.of_last_stage().spark_gap_mm);
             return Some((shape, "Residual stock", limit));
         }
         self.deviation_map().filter(|_| self.deviations)
@@ -220,7 +220,8 @@ impl BliskDesk {
 
     /// Legend of the colours.
     pub fn colour_legend(&self) -> Legend {
-        let gap = self.document.params().electrode.spark_gap_mm;
+        let (of_electrode, _) = self.document.params().of_electrode(self.cursor.electrode);
+        let gap = of_electrode.electrode.spark_gap_mm;
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
@@ -332,7 +333,7 @@ impl BliskDesk {
     /// parameters.
     pub fn required(&self) -> [f64; 2] {
         let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
-        let job = self.document.params();
+        let (job, _) = self.document.params().of_electrode(self.cursor.electrode);
         let of_job = [job.electrode.spark_gap_mm, job.verify.tolerance_mm];
         path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
     }

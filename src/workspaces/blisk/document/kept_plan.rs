@@ -192,6 +192,7 @@ impl KeptPlan {
             _ => 0.0,
         };
         for (number, KeptElectrode { side, h, nodes }) in self.electrodes.iter().enumerate() {
+            let (_, number) = job.electrode.in_stage(number);
             let (part, _) = job.electrode.place_of(number);
             require(
                 job.electrode.of_part(part).enter.allows(*side),
@@ -226,6 +227,10 @@ impl KeptPlan {
             *mesh = mesh.take().map(|_| "mesh".into());
         }
         electrode.more.iter_mut().for_each(|own| own.mesh = "mesh".into());
+        for stage in &mut electrode.stage {
+            // Neither names nor technology have a part in the search.
+            (stage.name, stage.last_step, stage.finish_vdi) = Default::default();
+        }
         if let BladesFrom::Measured(blades) = &mut blisk.sections {
             blades.file = "sections".into();
         }

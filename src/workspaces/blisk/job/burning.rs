@@ -36,6 +36,8 @@ pub struct WheelBurning {
 /// An electrode of a wheel that is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BurningElectrode {
+    /// Number of the electrode, counted from 1, and its stage if there are any.
+    pub label: String,
     /// Minutes and wear in one channel.
     pub figures: BurnFigures,
     /// Number of electrodes that the wheel needs, as far as the wear is known; none if there would be too many.
@@ -59,7 +61,10 @@ impl WheelBurning {
         let of = |(i, electrode): (usize, &ElectrodeOutcome)| match (&removed, &table) {
             (Err(why), _) => BurnFigures::unknown(why),
             (_, Err(why)) => BurnFigures::unknown(why),
-            (Ok(removed), Ok(table)) => figures(electrode, removed.get(i).map_or(&[], Vec::as_slice), job, table),
+            (Ok(removed), Ok(table)) => {
+                let (job, _) = job.of_electrode(i);
+                figures(electrode, removed.get(i).map_or(&[], Vec::as_slice), &job, table)
+            }
         };
         Some(Self::of(outcome.electrodes.iter().enumerate().map(of).collect(), outcome.channel.blades, job))
     }
@@ -71,8 +76,11 @@ impl WheelBurning {
         };
         let channel = sum_of(figures.iter().map(|figures| figures.minutes), Default::default()).ok().flatten();
         let made = scheduled(&figures, channels, job);
-        let electrodes =
-            figures.into_iter().map(|figures| BurningElectrode { copies: copies(&figures), figures }).collect();
+        let electrode = |(i, figures): (usize, BurnFigures)| {
+            let (label, copies) = (job.electrode.label(i), copies(&figures));
+            BurningElectrode { label, copies, figures }
+        };
+        let electrodes = figures.into_iter().enumerate().map(electrode).collect();
         let (schedule, no_schedule) = made.map_or_else(|why| (None, Some(why)), |schedule| (Some(schedule), None));
         Self { channels, electrodes, channel, schedule, no_schedule }
     }
@@ -117,8 +125,8 @@ fn figures(outcome: &ElectrodeOutcome, removed: &[Piece], job: &PlanJob, table: 
 
 fn scheduled(figures: &[BurnFigures], channels: usize, job: &PlanJob) -> Result<Schedule, String> {
     let electrode = |(i, figures): (usize, &BurnFigures)| {
-        let burning = figures.minutes.ok_or_else(|| format!("the minutes of electrode {} are not known", i + 1))?;
-        let name = format!("electrode {}", i + 1);
+        let name = format!("electrode {}", job.electrode.label(i));
+        let burning = figures.minutes.ok_or_else(|| format!("the minutes of {name} are not known"))?;
         Ok::<_, String>(ScheduledElectrode { name, burning, wear_share: figures.wear_share })
     };
     let wheel = WheelBurn {

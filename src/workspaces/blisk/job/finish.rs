@@ -83,7 +83,8 @@ impl<'a> Around<'a> {
         let channel = &outcome.channel;
         let finder = SurfaceFinder::new(channel.clone())?;
         let is_own = !inputs.own_electrodes.is_empty();
-        let junctions = if is_own { Junctions::default() } else { Junctions::of(channel, &inputs.job.electrode)? };
+        let junctions =
+            if is_own { Junctions::default() } else { Junctions::of(channel, &inputs.job.electrode.of_last_stage())? };
         let blank = inputs.blank.as_ref().map(|mesh| mesh.in_frame(&channel.frame));
         Ok(Self { job: &inputs.job, blisk, channel, finder, junctions, blank })
     }
@@ -103,10 +104,11 @@ impl<'a> Around<'a> {
         let mut clock = Clock::default();
         let electrodes = &outcome.electrodes;
         let motion = |e| clock.time("copying motion", || copying(self, e, task));
-        finishing.copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
+        finishing.copying = electrodes.iter().enumerate().map(motion).collect::<Result<Vec<_>, _>>()?;
         let setting = |e| clock.time("setting errors", || setting_room(self, e, task));
         let errors = self.job.setting.errors();
-        let rooms = errors.into_iter().flat_map(|errors| electrodes.iter().map(move |e| (e, errors))).map(setting);
+        let rooms =
+            errors.into_iter().flat_map(|errors| electrodes.iter().enumerate().map(move |e| (e, errors))).map(setting);
         match rooms.collect::<Result<Vec<_>, _>>() {
             Ok(rooms) => finishing.setting = rooms,
             Err(PlanJobError::Cancelled(_)) => {
@@ -145,8 +147,12 @@ impl<'a> Around<'a> {
     }
 }
 
-fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<Copying, PlanJobError> {
-    let (job, electrode) = (around.job, outcome.burning());
+fn copying(
+    around: &Around,
+    (number, outcome): (usize, &ElectrodeOutcome),
+    task: &Task,
+) -> Result<Copying, PlanJobError> {
+    let (job, electrode) = (&around.job.of_electrode(number).0, outcome.burning());
     let mut wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
     if let Some(wear_mm) = outcome.preset.map(|preset| preset.wear_mm()).filter(|wear| *wear > 0.0 && !wanted.is_none())
     {
@@ -169,11 +175,12 @@ fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<C
 /// The setting errors that the feed of `outcome` bears; `errors` are those asked about.
 fn setting_room(
     around: &Around,
-    (outcome, errors): (&ElectrodeOutcome, SettingErrors),
+    ((number, outcome), errors): ((usize, &ElectrodeOutcome), SettingErrors),
     task: &Task,
 ) -> Result<Option<SettingRoom>, PlanJobError> {
     let Some(planned) = &outcome.plan.path else { return Ok(None) };
-    let least_mm = around.job.setting.least_mm(around.job.electrode.spark_gap_mm);
+    let (job, _) = around.job.of_electrode(number);
+    let least_mm = job.setting.least_mm(job.electrode.spark_gap_mm);
     let surface_of = |p: DVec3| around.finder.surface_of(p);
     let verifier = verifier(around, outcome.burning(), task)?;
     Ok(Some(verifier.setting_room(&planned.path, &errors, least_mm, &surface_of, task)?))
@@ -200,27 +207,30 @@ fn left_by(
     motions: &[Copying],
     task: &Task,
 ) -> Result<ResidualStock, ResidualStockError> {
+    let params = &around.job.electrode;
     let poses = |path: &FeedPath| -> Vec<Pose> { path.rows.iter().map(|row| row.pose).collect() };
     let burns: Vec<Burn> = electrodes
         .iter()
         .zip(motions)
-        .map(|(e, copying)| Burn {
+        .enumerate()
+        .map(|(number, (e, copying))| Burn {
             electrode: e.burning(),
+            spark_gap: params.burned_gap_mm(number),
             feed: e.plan.path.as_ref().map(|p| poses(&p.path)).unwrap_or_default(),
             // What is not certified is not exported either, and burns nothing.
             copying: copying.certified().map(|c| poses(&c.path)).unwrap_or_default(),
         })
         .collect();
-    let feeds = electrodes.iter().filter_map(|e| e.plan.path.as_ref().map(|p| p.certificate.certified()));
-    let copied = motions.iter().filter_map(Copying::certified);
-    let proven = feeds.chain(copied.map(|c| c.certificate.certified())).fold(f64::INFINITY, f64::min);
+    let feeds = electrodes.iter().map(|e| e.plan.path.as_ref().map(|p| p.certificate.certified())).enumerate();
+    let copied = motions.iter().map(|motion| motion.certified().map(|c| c.certificate.certified())).enumerate();
+    let beyond_gap = |(number, certified): (usize, Option<f64>)| Some(certified? - params.burned_gap_mm(number));
     let site = Site {
         blisk: around.blisk,
         channel: around.channel,
         finder: &around.finder,
-        spark_gap: around.job.electrode.spark_gap_mm,
+        spark_gap: params.of_last_stage().spark_gap_mm,
         junctions: around.junctions.clone(),
-        proven,
+        proven: feeds.chain(copied).filter_map(beyond_gap).min_by(f64::total_cmp),
         blank: match (&around.blank, around.job.burning.allowance_mm) {
             (Some(blank), _) => Blank::Solid(blank),
             (None, Some(mm)) => Blank::Allowance(mm),

@@ -60,7 +60,10 @@ fn electrode(
     let stem = format!("electrode_{number}.");
     let of_electrode = files.iter().filter(|(name, _)| name == &format!("{stem}stl") || name == &format!("{stem}step"));
     let burning = burning.and_then(|burning| burning.electrodes.get(index));
-    let gap = job.electrode.spark_gap_mm;
+    let stage = job.electrode.stage_of(index).map(|stage| stage.name.clone());
+    let gap = job.electrode.burned_gap_mm(index);
+    let (job, _) = &job.of_electrode(index);
+    let undersize = job.electrode.spark_gap_mm;
     let last_step = Some(job.burning.last_step.trim()).filter(|step| !step.is_empty()).map(str::to_owned);
     let finish_vdi = job.burning.finish_vdi.filter(|_| last_step.is_none());
     let technology = (last_step.is_some() || finish_vdi.is_some()).then(|| JobTechnology {
@@ -97,12 +100,12 @@ fn electrode(
         },
         is_undersized: true,
         material: None,
-        stage: None,
+        stage,
         quantity: None,
         needed: burning.map_or_else(|| "not known".to_owned(), BurningElectrode::needed_text),
         spark_gap_mm: gap,
-        undersize_wall_mm: gap,
-        undersize_floor_mm: gap,
+        undersize_wall_mm: undersize,
+        undersize_floor_mm: undersize,
         orbit: None,
         technology,
         inspection_points: inspection_points(&own.electrode, &outcome.channel, job.export.frame),

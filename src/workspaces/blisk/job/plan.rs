@@ -161,13 +161,23 @@ impl JobPlanner<'_> {
         Ok(electrodes)
     }
 
-    /// The electrode that is number `part` along the passage, columns of one part counted through. Tries the sides one after the
+    /// The electrode that is number `part`, columns of one part and stages counted through. Tries the sides one after the
     /// other until one is verified; if none is, the one that came out, or else the one that a change makes feasible, or
     /// else the one that got furthest, is the answer. A side for which no electrode can be made is noted and left.
     ///
     /// # Errors
     /// The reasons of all sides if no electrode can be made for any.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
+        if !self.inputs.job.electrode.stage.is_empty() {
+            let (inputs, in_stage) = self.inputs.of_electrode(part);
+            let clock = std::mem::take(&mut self.clock);
+            let mut of_stage = JobPlanner { inputs: &inputs, clock, ..*self };
+            let outcome = of_stage.part(in_stage);
+            self.clock = of_stage.clock;
+            let mut outcome = outcome?;
+            outcome.electrode.stage = self.inputs.job.electrode.stage_of(part).map(|stage| stage.name.clone());
+            return Ok(outcome);
+        }
         // The best first.
         let mut outcomes: Vec<ElectrodeOutcome> = Vec::new();
         let mut impossible = Vec::new();
@@ -337,7 +347,6 @@ pub fn replay(
     }
     let mut clock = Clock::default();
     let finder = SurfaceFinder::new(channel.clone())?;
-    let settings = settings_of(job, &|_, _| ());
     let around = Surroundings { blisk, finder: &finder, frame: channel.frame };
     let centreline = Centreline::of_channel(channel, &task.cancel).ok().map(Arc::new);
     let mut electrodes = Vec::new();
@@ -345,7 +354,8 @@ pub fn replay(
         let make = || electrode_of(inputs, channel, exact, (part, *side, *h), task);
         let electrode = clock.time("electrode", make)?;
         let machine = &job.machine.seen_from_w(*side);
-        let settings = PlanSettings { machine, ..settings };
+        let (of_stage, _) = job.of_electrode(part);
+        let settings = PlanSettings { machine, ..settings_of(&of_stage, &|_, _| ()) };
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, task)?;
         clock.add("certificate", plan.verify_seconds);
         let mut outcome = ElectrodeOutcome::of(electrode, plan);
@@ -413,6 +423,7 @@ pub(super) fn head_comes_from_elsewhere(job: &PlanJob) -> PlanJobError {
 /// # Errors
 /// Every error of [`sides_of`].
 pub(super) fn sides(job: &PlanJob, channel: &Channel, number: usize) -> Result<Vec<EntrySide>, PlanJobError> {
+    let (_, number) = job.electrode.in_stage(number);
     let (part, _) = job.electrode.place_of(number);
     let mut sides = sides_of(job, channel, part)?;
     if part > 0 && 2 * part >= job.electrode.parts {

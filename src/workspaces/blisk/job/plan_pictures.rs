@@ -37,7 +37,7 @@ fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<P
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         residual_stock: outcome.residual_stock().map(|left| &**left),
         measured: outcome.measured.as_deref(),
-        spark_gap: inputs.job.electrode.spark_gap_mm,
+        spark_gap: inputs.job.electrode.of_last_stage().spark_gap_mm,
     };
     let (pictures, offscreen) = rayon::join(|| plan_pictures(&plan, &inputs.job.export.pictures, task), Offscreen::new);
     let (pictures, mut offscreen) = (pictures?, offscreen?);

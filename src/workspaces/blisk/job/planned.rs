@@ -137,8 +137,11 @@ impl Planned {
             Some(found) => found,
             None => return (EventKind::Refused, "there is no electrode".to_owned()),
         };
-        let name =
-            if plan.electrodes.len() > 1 { format!("electrode {} ", i + 1) } else { "the electrode ".to_owned() };
+        let name = if plan.electrodes.len() > 1 {
+            format!("electrode {} ", electrode.electrode.label(i))
+        } else {
+            "the electrode ".to_owned()
+        };
         let collision = plan.finishing().and_then(|f| f.collision());
         let collision = collision.map(|simulation| format!(". {}", simulation.sentence())).unwrap_or_default();
         (kind, name + &FIELDS.labelled(&electrode.plan.verdict(&plan.channel)) + &collision)

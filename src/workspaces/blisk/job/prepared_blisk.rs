@@ -173,9 +173,12 @@ pub(super) fn electrode_of(
             Electrode { part, parts: inputs.electrodes(), ..made }
         }
         None => {
-            let mut params = params.of_part(params.place_of(part).0);
-            params.circumferential_reduction_deg.iter_mut().for_each(|deg| *deg += h.to_degrees());
-            make_electrode(channel, exact, &params, (part, side), task)?
+            let (stage, in_stage) = params.in_stage(part);
+            let of_stage = params.of_stage(stage);
+            let mut of_part = of_stage.of_part(of_stage.place_of(in_stage).0);
+            of_part.circumferential_reduction_deg.iter_mut().for_each(|deg| *deg += h.to_degrees());
+            let made = make_electrode(channel, exact, &of_part, (in_stage, side), task)?;
+            Electrode { stage: params.stage_of(part).map(|stage| stage.name.clone()), ..made }
         }
     };
     electrode.mesh = as_written(&electrode.mesh, &channel.frame);

@@ -87,7 +87,8 @@ pub(super) fn preview_on(
     (number, side): (usize, EntrySide),
     task: &Task,
 ) -> Result<PreviewPath, PlanJobError> {
-    let (full, turns) = prepared.fullest(inputs, (number, side), task)?;
+    let (inputs, number) = &inputs.of_electrode(number);
+    let (full, turns) = prepared.fullest(inputs, (*number, side), task)?;
     let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
     let machine = &inputs.job.machine.seen_from_w(side);
     let settings = PlanSettings { machine, ..settings_of(&inputs.job, &|_, _| ()) };

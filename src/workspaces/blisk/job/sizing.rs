@@ -61,6 +61,9 @@ impl SizeRow {
         for part in &mut electrode.part {
             (part.low_reduction_deg, part.high_reduction_deg) = (None, None);
         }
+        if let Some(last) = electrode.stage.last_mut() {
+            (last.low_reduction_deg, last.high_reduction_deg) = (None, None);
+        }
         (electrode.circumferential_reduction_deg, electrode.enter) = (self.reduction_deg, self.enter);
         electrode.size = SizeMode::Given;
     }
@@ -117,7 +120,7 @@ const LOWER: [f64; 3] = [2.0, 1.0, 4.0];
 /// Most plans that are tried so for a row.
 const MOST_LOWERED: usize = 10;
 
-/// Sizes the electrodes of the job for every number of parts in `range`, and shows `found` each row as it is certified.
+/// Sizes the electrodes of the job, of stages those of the last one, for every number of parts in `range`, and shows `found` each row as it is certified.
 /// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
 /// brings most on the better side; for more parts, or columns, they are equal, the greatest that any of them needs.
 ///
@@ -135,7 +138,8 @@ pub fn size(
             "an electrode mesh of your own has the size it has; remove it to size".to_owned(),
         ));
     }
-    let mut base = inputs.clone();
+    // The last stage has the least gap and makes the surface; those before follow it.
+    let (mut base, _) = inputs.of_electrode(inputs.job.electrode.count() - 1);
     base.job.plan.strategy = Strategy::Global;
     base.job.genetic.h = ReductionMode::Given;
     base.job.electrode.size = SizeMode::Given;

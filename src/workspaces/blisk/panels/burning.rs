@@ -43,10 +43,10 @@ pub fn show(ui: &mut Ui, desk: &BliskDesk) {
     let Some(wheel) = desk.burned() else { return };
     ui.add_space(6.0);
     ui.strong(if desk.plan_is_stale() { "Burning, out of date" } else { "Burning" });
-    for (i, electrode) in wheel.electrodes.iter().enumerate() {
-        let BurningElectrode { figures: own, .. } = electrode;
+    for electrode in &wheel.electrodes {
+        let BurningElectrode { label, figures: own, .. } = electrode;
         if wheel.electrodes.len() > 1 {
-            ui.label(RichText::new(format!("Electrode {}", i + 1)).color(palette(ui).faint));
+            ui.label(RichText::new(format!("Electrode {label}")).color(palette(ui).faint));
         }
         if let Some(volume) = own.volume_mm3 {
             fact(ui, "Removes", format!("{volume:.1} mm³"));

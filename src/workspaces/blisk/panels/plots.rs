@@ -283,6 +283,7 @@ fn distances(ui: &mut Ui, desk: &mut BliskDesk) {
     let curves: [Vec<[f64; 2]>; 4] = std::array::from_fn(of);
     // Those of the plan that is shown, not of parameters that have changed since.
     let job = desk.work.planned().map_or(desk.document.params(), |planned| &planned.inputs.job);
+    let (job, _) = job.of_electrode(desk.cursor.electrode);
     let (gap, asked) = (job.electrode.spark_gap_mm + job.plan.margin_mm, job.plan.thresholds);
     let thresholds = [asked.low_wall_mm, asked.high_wall_mm, asked.hub_mm, asked.shroud_mm];
     let colours: [Color32; 4] = std::array::from_fn(|i| palette(ui).axes[i]);

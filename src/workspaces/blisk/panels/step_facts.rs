@@ -130,7 +130,7 @@ fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let told = desk.reported_electrodes();
     for (i, electrode) in told.iter().enumerate() {
         if told.len() > 1 {
-            ui.strong(format!("Electrode {}", i + 1));
+            ui.strong(format!("Electrode {}", electrode.label(i)));
         }
         fact(ui, "Enters from", electrode.enters_from.label());
         fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
@@ -180,7 +180,11 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
             _ if outcome.plan.is_verified() => palette(ui).warning,
             _ => palette(ui).bad,
         };
-        let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
+        let name = if plan.electrodes.len() > 1 {
+            format!("Electrode {}: ", outcome.electrode.label(i))
+        } else {
+            String::new()
+        };
         // A plan that failed says so above the form.
         if outcome.plan.path.is_some() {
             notice(ui, colour, &(name + &FIELDS.labelled(&outcome.plan.verdict(&plan.channel))));

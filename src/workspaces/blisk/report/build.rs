@@ -23,7 +23,7 @@ use feed::strategy::SearchStrategy;
 use files::ParameterList;
 use nc::program::longest_jump;
 use wheel::channel::Channel;
-use wheel::electrode::EntrySide;
+use wheel::electrode::{Electrode, EntrySide};
 
 /// The report on `outcome`, without pictures. `inputs` tells which files it was made from. The technology table of `job` is
 /// read; why it cannot be read stands in the report.
@@ -49,6 +49,11 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
     }
 }
 
+/// Whether its number does not say what an electrode burns.
+fn is_shared(electrode: &Electrode) -> bool {
+    electrode.column.is_some() || electrode.stage.is_some()
+}
+
 fn verdict(outcome: &PlanOutcome) -> Verdict {
     let sentences: Vec<String> = outcome
         .electrodes
@@ -60,7 +65,7 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
             format!(
                 "Electrode {}{} towards {} {verdict}.{}",
                 i + 1,
-                if e.electrode.column.is_some() { format!(" ({})", e.electrode.share()) } else { String::new() },
+                if is_shared(&e.electrode) { format!(" ({})", e.electrode.share()) } else { String::new() },
                 e.electrode.enters_from.words(),
                 tried.collect::<String>()
             )
@@ -101,7 +106,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         enters_from: electrode.enters_from.name().to_owned(),
         extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
         verified: plan.is_verified(),
-        required_clearance_mm: job.electrode.spark_gap_mm,
+        required_clearance_mm: job.of_electrode(index - 1).0.electrode.spark_gap_mm,
         tolerance_mm: job.verify.tolerance_mm,
         certified_clearance_mm: certificate.map(|c| c.certified()),
         preset: outcome.preset_sentence(),
@@ -266,10 +271,19 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         symbol("R_h", "hub radius over the blades", range_text(summary.hub_radius_mm), "mm"),
         symbol("R_c", "shroud (or tip) radius over the blades", range_text(summary.shroud_radius_mm), "mm"),
         symbol("theta", "angle between neighbouring blades", text(360.0 / outcome.channel.blades as f64), "deg"),
-        symbol("delta", "spark gap", text(params.spark_gap_mm), "mm"),
         symbol("h", "circumferential reduction, low and high wall", range_text([low + h, high + h]), "deg"),
         symbol("x_1 - x_0", "distance of nodes", text(job.plan.step_mm), "mm"),
     ];
+    if params.stage.is_empty() {
+        list.insert(3, symbol("delta", "spark gap", text(params.spark_gap_mm), "mm"));
+    }
+    for stage in params.stage.iter().rev() {
+        let meaning = format!("spark gap, and stock left, in the stage {}", stage.name);
+        list.insert(
+            3,
+            symbol("delta", &meaning, format!("{}, {}", text(stage.spark_gap_mm), text(stage.stock_mm)), "mm"),
+        );
+    }
     for (name, meaning, value) in [
         ("a1", first_weight, weights.a1),
         ("b1", "weight of Y in (4)", weights.b1),

@@ -234,6 +234,11 @@ impl<'a> Drawn<'a> {
         }
     }
 
+    /// Distance that electrode `i` keeps on its path (mm); of one without a path that of the surface.
+    fn gap(&self, i: usize) -> f64 {
+        self.plan.electrodes[i].1.path.as_ref().map_or(self.plan.spark_gap, |planned| planned.path.spark_gap)
+    }
+
     /// Electrode `i` at the end of its feed.
     fn final_pose(&self, i: usize) -> PlanPicture {
         let mut layers = self.layers.clone();
@@ -241,10 +246,10 @@ impl<'a> Drawn<'a> {
         let scene = self.scene(i, 0.0, &layers);
         PlanPicture {
             file: format!("electrode_{}_final.png", i + 1),
-            title: format!("Electrode {} in its final pose", i + 1),
+            title: format!("Electrode {} in its final pose", self.plan.electrodes[i].0.label(i)),
             caption: format!(
                 "The shroud is taken away to look into the channel. A spark gap of {:.3} mm is required all round.",
-                self.plan.spark_gap
+                self.gap(i)
             ),
             legend: self.legend(&[(Layer::Unshrouded, "finished blisk"), (Layer::Electrode, "electrode")]),
             camera: self.camera(i, &scene),
@@ -270,7 +275,7 @@ impl<'a> Drawn<'a> {
         let scene = self.scene(i, place.as_ref().map_or(0.0, |p| p.s), &layers);
         PlanPicture {
             file: format!("electrode_{}_sweep.png", i + 1),
-            title: format!("Electrode {} on its path", i + 1),
+            title: format!("Electrode {} on its path", self.plan.electrodes[i].0.label(i)),
             caption: self.sweep_caption(i, place.as_ref()),
             legend: self.legend(&legend),
             camera: self.camera(i, &scene),
@@ -295,7 +300,7 @@ impl<'a> Drawn<'a> {
         scene.section = Some(plane);
         Some(PlanPicture {
             file: format!("electrode_{}_closest.png", i + 1),
-            title: format!("Electrode {} {}", i + 1, place.name),
+            title: format!("Electrode {} {}", self.plan.electrodes[i].0.label(i), place.name),
             caption: format!(
                 "Section through the {} at this place, seen along {along}; the picture is {:.1} mm wide.",
                 self.plan.channel.surface_name(place.surface),

@@ -68,6 +68,7 @@ fn parts(bodies: Vec<Body>, turned: f64) -> Parts {
         mesh,
         enters_from: EntrySide::PlusX,
         reference_point: O,
+        stage: None,
         part: 0,
         parts: 1,
         column: None,

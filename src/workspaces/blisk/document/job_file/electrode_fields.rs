@@ -26,6 +26,43 @@ const PART: &[Field] = &[
         .help("The part's own radial reduction."),
 ];
 
+/// Columns of the table of stages.
+const STAGE: &[Field] = &[
+    Field::text("name", "Name").help("Name of the stage in lists and reports."),
+    Field::number("spark_gap_mm", "Spark gap", "mm", 0.005, 2.0).step(0.005).help("Spark gap of its burns."),
+    Field::number("stock_mm", "Stock", "mm", 0.0, 5.0).step(0.005).help(
+        "Stock left for the later stages on every surface; its electrodes are smaller by that and the spark gap.",
+    ),
+    Field::number("low_reduction_deg", "Low wall", "deg", 0.0, 45.0)
+        .or_nothing(1.0)
+        .help("The stage's own reduction at the low wall."),
+    Field::number("high_reduction_deg", "High wall", "deg", 0.0, 45.0)
+        .or_nothing(1.0)
+        .help("The stage's own reduction at the high wall."),
+    Field::number("radial_reduction_mm", "Radial", "mm", 0.0, 100.0)
+        .or_nothing(1.0)
+        .help("The stage's own radial reduction."),
+    Field::text("last_step", "Last step")
+        .help("Name of the step of the technology at which its burns end; empty to end at the finish."),
+    Field::number("finish_vdi", "Finish", "VDI", 0.0, 60.0)
+        .decimals(1)
+        .step(0.1)
+        .or_nothing(24.0)
+        .help("Finish at which its burns end (VDI 3400)."),
+];
+
+/// Stages in which the channel is burned.
+pub(super) const STAGES: Group = Group {
+    section: "Electrode",
+    name: "Stages",
+    is_folded: true,
+    fields: &[Field::rows("electrode.stage", "Stage", STAGE, "{ name = \"finish\", spark_gap_mm = 0.1 }").help(
+        "Stages in which the channel is burned, in order, as roughing and finishing: each with electrodes of its own for \
+         every part. With stages, the spark gap and the end of burning above do not count. What single parts have of their \
+         own holds in every stage.",
+    )],
+};
+
 /// Columns of the table of further electrodes of one's own.
 const OWN: &[Field] = &[
     Field::file("mesh", "Mesh").help("Its mesh, in its final pose in the coordinates of the blisk's mesh (mm)."),

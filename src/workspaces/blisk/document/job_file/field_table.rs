@@ -7,7 +7,7 @@ use super::choice_words::{
     AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, END_WALLS, ENDS, FACES, FRAMES, H_MODES, HEADS,
     JOB_SHEETS, MACHINES, POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
-use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
+use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS, STAGES};
 use super::scan_fields::SCAN;
 use super::setting_fields::SETTING;
 use super::setup_fields::{PRESETS, SETUP};
@@ -203,6 +203,7 @@ const GROUPS: &[Group] = &[
         ],
     },
     SINGLE_PARTS,
+    STAGES,
     Group {
         section: "Electrode",
         name: "Body",

@@ -335,6 +335,17 @@ impl PlanJob {
         Self { blisk, electrode: ElectrodeParams::default(), ..Self::demonstration() }
     }
 
+    /// The job of electrode number `number` as if its stage were the only one, and its number in that.
+    pub fn of_electrode(&self, number: usize) -> (Self, usize) {
+        let (stage, in_stage) = self.electrode.in_stage(number);
+        let mut job = self.clone();
+        if let Some(own) = self.electrode.stage.get(stage) {
+            (job.burning.last_step, job.burning.finish_vdi) = (own.last_step.clone(), own.finish_vdi);
+        }
+        job.electrode = self.electrode.of_stage(stage);
+        (job, in_stage)
+    }
+
     fn can_be_sized(&self) -> Result<(), Invalid> {
         let why = if self.electrode.mesh.is_some() {
             "an electrode mesh of your own has the size it has; use \"given\""
@@ -382,7 +393,8 @@ impl Validate for PlanJob {
             let why = "the strategy \"global\" works on distances; use \"distance\", or another strategy";
             return Err(Invalid::new("plan.constraint", "angle", why));
         }
-        let gap = self.electrode.spark_gap_mm;
+        let of_stages = (0..self.electrode.stages()).map(|stage| self.electrode.of_stage(stage).spark_gap_mm);
+        let gap = of_stages.fold(f64::INFINITY, f64::min);
         self.setting.validate(gap)?;
         self.verify.validate(gap).map_err(|e| match e {
             VerifyError::Tolerance { tolerance_mm, .. } => {
