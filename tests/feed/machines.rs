@@ -55,6 +55,7 @@ fn simulated_with(
         channels: outcome.channel.blades,
         own_channel: outcome.channel.index,
         electrode: &electrode.electrode,
+        preset: None,
         feed: (&planned.path, &planned.certificate),
         copying: None,
         machine,

@@ -20,6 +20,8 @@ pub struct Chain {
     reference_point: DVec3,
     /// Place of the C axis under A in the final pose (x, y) (mm); none where C turns the electrode.
     table_c: Option<DVec2>,
+    /// Angle of X and Y of the machine about Z against W in the final pose (rad).
+    turned: f64,
 }
 
 impl Chain {
@@ -32,7 +34,19 @@ impl Chain {
     /// The chain about an electrode with this reference point O. `table_c` is the place of the C axis under A in the
     /// final pose, in W; none where C turns the electrode.
     pub fn new(reference_point: DVec3, table_c: Option<DVec2>) -> Self {
-        Self { reference_point, table_c }
+        Self { reference_point, table_c, turned: 0.0 }
+    }
+
+    /// The chain of a machine whose X and Y are turned by `turned` (rad) about Z against W in the final pose, because the table
+    /// that C turns makes up for how the electrode stands on its holder.
+    #[must_use]
+    pub fn turned(self, turned: f64) -> Self {
+        Self { turned, ..self }
+    }
+
+    /// Angle of X and Y of the machine about Z against W in the final pose (rad).
+    pub fn turn(&self) -> f64 {
+        self.turned
     }
 
     /// A point of the C axis under A, in W; none where C turns the electrode.
@@ -47,6 +61,16 @@ impl Chain {
 
     /// The axis values of the machine that make `pose`.
     pub fn machine_pose(&self, pose: &Pose) -> Pose {
+        let in_w = self.slid(pose);
+        if self.turned == 0.0 {
+            return in_w;
+        }
+        let slides = DVec2::from_angle(self.turned).rotate(DVec2::new(in_w.x, in_w.y));
+        Pose { x: slides.x, y: slides.y, ..in_w }
+    }
+
+    /// The axis values of the machine that make `pose`, with the slides along X and Y of W in the final pose.
+    pub fn slid(&self, pose: &Pose) -> Pose {
         let Some(q) = self.table_c else { return *pose };
         let arm = self.reference_point.truncate() - q;
         let slides = DVec2::from_angle(-pose.c).rotate(arm + DVec2::new(pose.x, pose.y)) - arm;

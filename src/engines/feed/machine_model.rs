@@ -22,6 +22,7 @@ use sha2::{Digest, Sha256};
 
 use super::chain::Chain;
 use super::machine::Mounting;
+use super::preset::Preset;
 use geometry::mesh::Mesh;
 use wheel::electrode::EntrySide;
 
@@ -86,6 +87,7 @@ pub struct Station {
     reference_point: DVec3,
     on_c_axis: DVec3,
     seat: DVec3,
+    preset: Option<Preset>,
 }
 
 impl Station {
@@ -102,18 +104,44 @@ impl Station {
         };
         let blisk = blisk.bounds();
         let seat = if mounting.is_turned { blisk.max.x } else { blisk.min.x };
-        Self { mounting, interface, reference_point, on_c_axis, seat: DVec3::new(seat, 0.0, 0.0) }
+        let seat = DVec3::new(seat, 0.0, 0.0);
+        Self { mounting, interface, reference_point, on_c_axis, seat, preset: None }
+    }
+
+    /// The machine about an electrode that stands on its holder as `preset` says: its own parts stand about a nominal one.
+    #[must_use]
+    pub fn holding(self, preset: &Preset) -> Self {
+        let (advance, nominal) = (DVec3::from(preset.advance_mm), preset.nominal(self.reference_point));
+        let on_c_axis = match self.on_c_axis == self.reference_point {
+            true => nominal,
+            false => nominal.with_z(self.on_c_axis.z - advance.z),
+        };
+        Self { interface: self.interface - advance, on_c_axis, preset: Some(*preset), ..self }
     }
 
     /// The kinematic chain of the machine.
     pub fn chain(&self) -> Chain {
-        let to_w = self.placement(Carrier::Bed);
+        let to_w = self.nominal(Carrier::Bed);
         let table_c = self.mounting.table_c.map(|[x, y]| to_w.transform_point3(DVec3::new(x, y, 0.0)).truncate());
-        Chain::new(self.reference_point, table_c)
+        let turned = self.preset.map_or(0.0, |preset| preset.turned());
+        Chain::new(self.reference_point, table_c).turned(turned)
     }
 
     /// From the coordinates of `carrier` to W, where its bodies are in the final pose.
     pub fn placement(&self, carrier: Carrier) -> DAffine3 {
+        let nominal = self.nominal(carrier);
+        let Some(preset) = self.preset else { return nominal };
+        let of_head = |turns| preset.of_head(preset.nominal(self.reference_point), turns) * nominal;
+        match carrier {
+            Carrier::Electrode => of_head(true),
+            Carrier::Head => of_head(false),
+            Carrier::Bed => preset.of_bed(self.chain().on_table_c().unwrap_or_default()) * nominal,
+            Carrier::Table | Carrier::Cradle => nominal,
+        }
+    }
+
+    /// The placement about a nominal electrode.
+    fn nominal(&self, carrier: Carrier) -> DAffine3 {
         let translation = match carrier {
             Carrier::Electrode => self.interface,
             Carrier::Head => self.on_c_axis,

@@ -1,6 +1,6 @@
 //! Presets: how an electrode stands on its holder against its nominal place, and the feed that makes up for it.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::path::{FeedPath, PathRow};
@@ -16,7 +16,7 @@ pub struct Preset {
     pub y_mm: f64,
     /// Along Z of W (mm).
     pub z_mm: f64,
-    /// Turn about Z of W, at the nominal axis of C (degrees).
+    /// Turn about Z of W, at the nominal axis of C, or of the electrode where C turns the table (degrees).
     pub c_deg: f64,
     /// Greatest error of the measurement along each axis (mm).
     pub uncertainty_mm: f64,
@@ -24,6 +24,10 @@ pub struct Preset {
     /// has lost (mm).
     #[serde(default)]
     pub advance_mm: [f64; 3],
+    /// Way along X and Y of W, in the final pose of a nominal electrode, from the axis of the table that C turns to the nominal
+    /// axis of the electrode (mm); none where C turns the electrode.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table_arm_mm: Option<[f64; 2]>,
 }
 
 /// Greatest offset that is taken for a preset (mm), and greatest turn (degrees): more is a mistake, or another electrode.
@@ -34,14 +38,59 @@ impl Preset {
     pub fn zero(&self) -> [f64; 4] {
         let c = -self.c_deg.to_radians();
         let advance = DVec3::from(self.advance_mm);
-        let slide = advance - DMat3::from_rotation_z(c) * DVec3::new(self.x_mm, self.y_mm, self.z_mm);
+        let slide = match self.table_arm_mm {
+            None => advance - DMat3::from_rotation_z(c) * self.offset(),
+            // The table takes the blisk to where the turned electrode fits, and the slides bring the electrode there.
+            Some(arm) => {
+                let arm = DVec2::from(arm).extend(0.0);
+                DMat3::from_rotation_z(-c) * (arm + advance) - arm - self.offset()
+            }
+        };
         [slide.x, slide.y, slide.z, c].map(|value| value + 0.0)
     }
 
-    /// Point that C turns the electrode about, in its final pose, where a nominal electrode has `nominal` (mm, in W).
+    fn offset(&self) -> DVec3 {
+        DVec3::new(self.x_mm, self.y_mm, self.z_mm)
+    }
+
+    /// Angle by which X and Y of the machine are turned about Z against W in the final pose (rad): where C turns the table, it
+    /// has turned the blisk.
+    pub fn turned(&self) -> f64 {
+        if self.table_arm_mm.is_some() { self.c_deg.to_radians() } else { 0.0 }
+    }
+
+    /// Motion from where a part of the machine is in the final pose of a nominal electrode to where it is in that of this one, as
+    /// seen from the blisk: of the head, which C turns (`turns`) or not. `nominal` is the reference point of a nominal electrode.
+    pub fn of_head(&self, nominal: DVec3, turns: bool) -> DAffine3 {
+        let [x, y, z, c] = self.zero();
+        let about = |matrix3: DMat3, from: DVec3, to: DVec3| DAffine3 { matrix3, translation: to - matrix3 * from };
+        let turned = DMat3::from_rotation_z(c);
+        match self.table_arm_mm {
+            Some(_) => about(turned, nominal + self.offset(), nominal + DVec3::from(self.advance_mm)),
+            None if turns => about(turned, nominal, nominal + DVec3::new(x, y, z)),
+            None => DAffine3::from_translation(DVec3::new(x, y, z)),
+        }
+    }
+
+    /// Motion of what stands on the bed, as [`of_head`](Self::of_head), about the point `axis` of the axis that C turns about.
+    pub fn of_bed(&self, axis: DVec3) -> DAffine3 {
+        let matrix3 = DMat3::from_rotation_z(-self.turned());
+        DAffine3 { matrix3, translation: axis - matrix3 * axis }
+    }
+
+    /// Point that C turns the electrode about, in its final pose, where a nominal electrode has `nominal` (mm, in W); that point
+    /// itself where C turns the table.
     pub fn reference_point(&self, nominal: DVec3) -> DVec3 {
+        if self.table_arm_mm.is_some() {
+            return nominal;
+        }
         let [x, y, z, _] = self.zero();
         nominal + DVec3::new(x, y, z)
+    }
+
+    /// The reference point of a nominal electrode, where that of this one is `own` (mm, in W).
+    pub fn nominal(&self, own: DVec3) -> DVec3 {
+        own - self.reference_point(DVec3::ZERO)
     }
 
     /// Length that the front of the electrode has lost (mm).
@@ -83,6 +132,7 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chain::Chain;
     use crate::pose::Pose;
     use geometry::frame::Frame;
 
@@ -90,7 +140,7 @@ mod tests {
 
     fn preset() -> Preset {
         let advance_mm = [0.12, 0.0, -0.05];
-        Preset { x_mm: 0.4, y_mm: -0.25, z_mm: 0.1, c_deg: 1.5, uncertainty_mm: 0.002, advance_mm }
+        Preset { x_mm: 0.4, y_mm: -0.25, z_mm: 0.1, c_deg: 1.5, uncertainty_mm: 0.002, advance_mm, table_arm_mm: None }
     }
 
     /// Where the machine with these axis values has a point of the electrode that stands on its holder as `preset` says:
@@ -129,6 +179,40 @@ mod tests {
         }
         assert_eq!(path.rows[2].pose, Pose::FINAL);
         assert_ne!(path.digest(), nominal.digest());
+    }
+
+    /// The same on a table that C turns about `Q`, and A on it: from the bed, joint by joint.
+    #[test]
+    fn on_a_table_that_c_turns_the_blisk_comes_to_where_the_electrode_fits() {
+        const Q: DVec3 = DVec3::new(-60.0, 4.0, 0.0);
+        let arm = (O - Q).truncate();
+        let preset = Preset { table_arm_mm: Some(arm.into()), ..preset() };
+        let chain = Chain::new(O, Some(Q.truncate())).turned(preset.turned());
+        let [x0, y0, z0, c0] = preset.zero();
+        assert_eq!(preset.reference_point(O), O);
+        for pose in [
+            Pose { x: -30.0, y: 2.0, z: 1.0, a: 0.05, b: 0.0, c: 0.3 },
+            Pose { x: -12.0, y: 1.0, z: 0.5, a: -0.1, b: 0.0, c: -0.2 },
+            Pose::FINAL,
+        ] {
+            let Pose { x, y, z, a, c, .. } = chain.machine_pose(&pose);
+            let slides = DVec3::new(x0 + x, y0 + y, z0 + z);
+            let of_part = |on_head: DVec3| {
+                let from_axis = DMat3::from_rotation_z(c0 + c) * (on_head + slides - Q);
+                DMat3::from_rotation_x(a) * (Q + from_axis)
+            };
+            let p = DVec3::new(7.0, -4.0, 118.0);
+            let offset = DVec3::new(preset.x_mm, preset.y_mm, preset.z_mm);
+            let on_holder = O + offset + DMat3::from_rotation_z(preset.c_deg.to_radians()) * (p - O);
+            let expected = pose.placement(O).transform_point3(p + DVec3::from(preset.advance_mm));
+            assert!(of_part(on_holder).distance(expected) < 1e-9, "{} {expected}", of_part(on_holder));
+            // The head and the bed, as a simulation moves them from where they are in the final pose.
+            let head = pose.placement(O) * preset.of_head(O, false);
+            assert!(of_part(p).distance(head.transform_point3(p)) < 1e-9);
+            let on_bed = DMat3::from_rotation_x(a) * (Q + DMat3::from_rotation_z(c0 + c) * (p - Q));
+            let bed = Pose { a: pose.a, c: pose.c, ..Pose::FINAL }.placement(Q) * preset.of_bed(Q);
+            assert!(on_bed.distance(bed.transform_point3(p)) < 1e-9);
+        }
     }
 
     #[test]

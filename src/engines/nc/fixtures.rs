@@ -13,6 +13,7 @@ use feed::machine::{MachineParams, TravelLimits};
 use feed::machine_model::MachineModel;
 use feed::path::{FeedPath, PathRow};
 use feed::pose::Pose;
+use feed::preset::Preset;
 use feed::quantise::quantise_path;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
 use feed::verify::{Verifier, VerifyError, VerifyOptions};
@@ -180,6 +181,17 @@ impl Scene {
         (machine, bodies): (&MachineParams, &MachineModel),
         channels: &[usize],
     ) -> Simulation {
+        self.simulation_of(None, copying, (machine, bodies), channels)
+    }
+
+    /// The same with an electrode that stands on its holder as `preset` says.
+    pub fn simulation_of(
+        &self,
+        preset: Option<&Preset>,
+        copying: Option<&CopyingMotion>,
+        (machine, bodies): (&MachineParams, &MachineModel),
+        channels: &[usize],
+    ) -> Simulation {
         let electrode = Electrode {
             faces: vec![ElectrodeFace::Shank; self.electrode.triangles.len()],
             mesh: self.electrode.clone(),
@@ -201,6 +213,7 @@ impl Scene {
             channels: CHANNELS,
             own_channel: OWN_CHANNEL,
             electrode: &electrode,
+            preset,
             feed: (&self.path, &self.certificate(&self.path)),
             copying: copying.map(|copying| (&copying.path, &copying.certificate)),
             machine: &machine.seen_from_w(self.side),

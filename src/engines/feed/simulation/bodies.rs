@@ -104,7 +104,8 @@ impl Bodies {
 fn station(scenario: &Scenario) -> Station {
     let electrode = scenario.electrode;
     let (o, side) = (electrode.reference_point, electrode.enters_from);
-    Station::new(&electrode.mesh, o, side, scenario.machine.mounting(side), scenario.blisk)
+    let station = Station::new(&electrode.mesh, o, side, scenario.machine.mounting(side), scenario.blisk);
+    scenario.preset.map_or(station, |preset| station.holding(preset))
 }
 
 /// The bodies of the machine in W, where they are in the final pose.
@@ -133,7 +134,7 @@ pub(super) fn relative(chain: &Chain, poses: &[Pose], moving: &Mover, fixed: &Ob
         match fixed.carrier {
             Some(Carrier::Head) if c_turns_table => Pose { b, ..Pose::FINAL },
             Some(Carrier::Head) => Pose { b, c: pose.c, ..Pose::FINAL },
-            Some(Carrier::Bed) if c_turns_table => Pose { a, b, c: 0.0, ..chain.machine_pose(pose) },
+            Some(Carrier::Bed) if c_turns_table => Pose { a, b, c: 0.0, ..chain.slid(pose) },
             _ => Pose { a, b, c: if moving.turns || c_turns_table { pose.c } else { 0.0 }, ..*pose },
         }
     };

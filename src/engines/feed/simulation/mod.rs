@@ -33,6 +33,7 @@ use super::certificate::Certificate;
 use super::machine::MachineParams;
 use super::machine_model::MachineModel;
 use super::path::FeedPath;
+use super::preset::Preset;
 use geometry::mesh::Mesh;
 use wheel::electrode::Electrode;
 
@@ -46,6 +47,8 @@ pub struct Scenario<'a> {
     pub own_channel: usize,
     /// The electrode.
     pub electrode: &'a Electrode,
+    /// How the electrode stands on its holder, of one whose feed makes up for that.
+    pub preset: Option<&'a Preset>,
     /// Feed of the electrode with its certificate.
     pub feed: (&'a FeedPath, &'a Certificate),
     /// Copying motion of the electrode with its certificate, if there is one.

@@ -265,14 +265,18 @@ fn header(w: &mut Writer, approved: &Approved) {
             "A point p of the electrode goes to Rx[A] * [ O + [X Y Z] + Rz[C] * Ry[B] * [p - O] ]: values are of the \
              electrode relative to the workpiece, right-handed. A table that carries the workpiece turns the other way.",
         ),
-        Some(q) => w.comment(&format!(
-            "C TURNS THE TABLE THAT CARRIES A, about a line along Z of W through Q, where Q in W is {}. A point p of the \
-             electrode goes to Rx[A] * [ Q + Rz[C] * [ O + [X Y Z] + Ry[B] * [p - O] - Q ] ]: values are of the electrode \
-             relative to the workpiece, right-handed. The tables turn the other way. Between two blocks all axes are \
-             linear; the electrode then stays within {} mm of the verified motion, which is taken off its clearance.",
-            vector(q),
-            mm(w.job.chain.deviation())
-        )),
+        Some(q) => {
+            let turned = w.job.chain.turn().to_degrees();
+            let slides = if turned == 0.0 { "[X Y Z]".to_owned() } else { format!("Rz[{:.6}] * [X Y Z]", -turned) };
+            w.comment(&format!(
+                "C TURNS THE TABLE THAT CARRIES A, about a line along Z of W through Q, where Q in W is {}. A point p of the \
+                 electrode goes to Rx[A] * [ Q + Rz[C] * [ O + {slides} + Ry[B] * [p - O] - Q ] ]: values are of the electrode \
+                 relative to the workpiece, right-handed. The tables turn the other way. Between two blocks all axes are \
+                 linear; the electrode then stays within {} mm of the verified motion, which is taken off its clearance.",
+                vector(q),
+                mm(w.job.chain.deviation())
+            ));
+        }
     }
     let reversed = w.post.axes.iter().filter(|a| a.reversed).map(|a| a.axis.letter().to_string());
     let reversed: Vec<String> = reversed.collect();

@@ -7,6 +7,7 @@ use feed::certificate::Certificate;
 use feed::machine::BeyondTravel;
 use feed::machine::{AxisSet, TravelLimits, TurnedByC};
 use feed::machine_model::{Body, Carrier, MachineModel};
+use feed::preset::Preset;
 use feed::quantise::quantise_rad;
 use feed::simulation::{Simulation, Visit};
 use feed::verify::VerifyOptions;
@@ -560,13 +561,13 @@ fn a_tilting_table_takes_the_electrode_the_same_way_as_a_head_that_turns_it() {
     let plain = fixtures::machine_with_bodies();
     let tilting = MachineParams { c_turns: TurnedByC::Table, c_axis_mm: [-45.0, 12.0], ..plain.clone() };
     let post = Post::load("iso", None).unwrap();
-    let text = |machine: &MachineParams| {
-        let simulation = scene.simulation(None, (machine, &nothing), &[OWN_CHANNEL]);
+    let text = |machine: &MachineParams, preset: Option<&Preset>| {
+        let simulation = scene.simulation_of(preset, None, (machine, &nothing), &[OWN_CHANNEL]);
         assert!(simulation.holds(), "{}", simulation.sentence());
         let approved = scene.approved().with_simulation(&simulation, &nothing).unwrap();
         NcProgram::new(&approved, &post, &NcSettings::default(), &NcJob { machine, ..job() }).unwrap().text().to_owned()
     };
-    let (on_head, on_table) = (text(&plain), text(&tilting));
+    let (on_head, on_table) = (text(&plain, None), text(&tilting, None));
     assert!(on_table.contains("C TURNS THE TABLE") && !on_head.contains("C TURNS THE TABLE"));
     assert_ne!(replayed(&post, &on_head, false)[0], replayed(&post, &on_table, false)[0]);
     let o = scene.path.reference_point;
@@ -584,6 +585,22 @@ fn a_tilting_table_takes_the_electrode_the_same_way_as_a_head_that_turns_it() {
         // The chords of the coarser program between its points are some micrometres off.
         let worst = ways[0].iter().map(|p| off(&ways[1], *p)).fold(0.0, f64::max);
         assert!(worst < 3e-4, "{worst}");
+    }
+    // An electrode that stands off and turned on its holder is taken the same way by another program.
+    let arm = (o - q).truncate().into();
+    let preset = Preset { x_mm: 0.3, y_mm: -0.2, c_deg: 2.0, table_arm_mm: Some(arm), ..Preset::default() };
+    let off_nominal = text(&tilting, Some(&preset));
+    assert!(off_nominal.contains("Rz[-2.000000] * [X Y Z]"), "{off_nominal}");
+    let [x0, y0, z0, c0] = preset.zero();
+    let p = fixtures::electrode_bounds().max;
+    let on_holder = o + DVec3::new(0.3, -0.2, 0.0) + DMat3::from_rotation_z(2f64.to_radians()) * (p - o);
+    let rows = |text: &str| replayed(&post, text, false);
+    for (axes, nominal) in rows(&off_nominal).iter().zip(rows(&on_table)) {
+        let slid = on_holder + DVec3::new(x0 + axes.x, y0 + axes.y, z0 + axes.z);
+        let place = DMat3::from_rotation_x(axes.a) * (q + DMat3::from_rotation_z(c0 + axes.c) * (slid - q));
+        let slid = p + DVec3::new(nominal.x, nominal.y, nominal.z);
+        let wanted = DMat3::from_rotation_x(nominal.a) * (q + DMat3::from_rotation_z(nominal.c) * (slid - q));
+        assert!(place.distance(wanted) < 1e-4, "{place} {wanted}");
     }
     // A program for the one is none for the other.
     let simulation = scene.simulation(None, (&tilting, &nothing), &[OWN_CHANNEL]);

@@ -23,6 +23,7 @@ use crate::workspaces::news::EventKind;
 use feed::machine::Mounting;
 use feed::machine_model::Station;
 use feed::pose::Pose;
+use feed::preset::Preset;
 use feed::simulation::Simulation;
 use geometry::distance_field::DistanceField;
 use render::colour_map::{ColourMap, Legend};
@@ -42,6 +43,7 @@ struct About {
     shape: Same<RenderMesh>,
     channel: Same<FoundChannel>,
     mounting: Mounting,
+    preset: Option<Preset>,
     simulation: Option<Same<Simulation>>,
 }
 
@@ -105,14 +107,18 @@ impl BliskDesk {
         // What was in the way of an earlier electrode may not be in the way of this one.
         let is_current = self.work.state(Stage::Plan) == State::Ready;
         let simulation = self.machine.simulation().filter(|_| is_current).cloned().map(Same);
+        let planned = self.outcome().filter(|_| is_current);
+        let preset = planned.filter(|o| std::ptr::eq(&o.electrode, electrode)).and_then(|o| o.preset);
         let (bodies, shape, channel) = (Same(bodies.clone()), Same(shape.clone()), Same(channel.clone()));
-        Some(About { bodies, shape, channel, mounting, simulation })
+        Some(About { bodies, shape, channel, mounting, preset, simulation })
     }
 
     fn standing(&self, about: &About) -> Vec<MachineBody> {
         let Some((electrode, _)) = self.shown_electrode() else { return Vec::new() };
         let (o, side) = (electrode.reference_point, electrode.enters_from);
-        let station = Station::new(&electrode.mesh, o, side, about.mounting, &about.channel.0.blisk);
+        let mesh = about.preset.and(self.outcome()).map_or(&electrode.mesh, |o| &o.burning().mesh);
+        let station = Station::new(mesh, o, side, about.mounting, &about.channel.0.blisk);
+        let station = about.preset.as_ref().map_or(station, |preset| station.holding(preset));
         let simulation = about.simulation.as_ref().map(|simulation| &*simulation.0);
         about.bodies.0.iter().map(|body| MachineBody::standing(body, &station, simulation)).collect()
     }
@@ -265,7 +271,7 @@ impl BliskDesk {
         let planned = |i: usize| planned.and_then(|plan| plan.electrodes.get(i)).map(|outcome| &outcome.electrode);
         let made = self.work.electrodes().map(|made| &made.electrodes[..]).unwrap_or_default();
         // A plan under way may have come to another part than the one at the cursor.
-        let place = |electrode: &Electrode| (electrode.part, electrode.parts, electrode.column);
+        let place = |e: &Electrode| (e.stage.clone(), e.part, e.parts, e.column);
         let shown = |i: usize| {
             let (electrode, _) = self.shown_electrode().filter(|_| i == self.cursor.electrode)?;
             (place(electrode) == place(&made[i])).then_some(electrode)

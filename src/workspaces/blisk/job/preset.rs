@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
-use feed::machine::TurnedByC;
+use feed::machine_model::Station;
 use feed::path::{FeedPath, PathRow};
 use feed::preset::{MOST_OFF, Preset};
 use feed::verify::Verifier;
@@ -134,7 +134,7 @@ pub fn check_presets(presets: &Presets, count: usize) -> Result<(), String> {
 ///
 /// # Errors
 /// If an electrode has no preset or there is none for it, its preset is not measured as well as the setting errors of the job
-/// ask for, C turns the table, or a path cannot be judged.
+/// ask for, B tilts one that stands turned on its holder, or a path cannot be judged.
 pub fn with_presets(
     outcome: PlanOutcome,
     inputs: &PlanInputs,
@@ -144,9 +144,6 @@ pub fn with_presets(
 ) -> Result<PlanOutcome, PlanJobError> {
     let mut outcome = outcome.unfinished();
     let (job, wrong) = (&inputs.job, |text: String| Err(PlanJobError::Job(text)));
-    if job.machine.c_turns == TurnedByC::Table {
-        return wrong("presets are made up for where C turns the electrode, and it turns the table here".to_owned());
-    }
     check_presets(presets, outcome.electrodes.len()).map_err(PlanJobError::Job)?;
     let finder = SurfaceFinder::new(outcome.channel.clone())?;
     for (number, electrode) in (1..).zip(&mut outcome.electrodes) {
@@ -172,8 +169,21 @@ pub fn with_presets(
             Some(planned) if *wear_mm > 0.0 => *wear_mm * end_direction(&planned.path, &electrode.electrode),
             _ => DVec3::ZERO,
         };
-        let preset = Preset { advance_mm: advance.into(), ..*preset };
         let from = electrode.electrode.reference_point;
+        let side = electrode.electrode.enters_from;
+        let mounting = job.machine.mounting(side);
+        let station = Station::new(&electrode.electrode.mesh, from, side, mounting, blisk);
+        let table = station.chain().on_table_c().filter(|_| job.machine.has_bodies());
+        let table_arm_mm = table.map(|q| (from - q).truncate().into());
+        let preset = Preset { advance_mm: advance.into(), table_arm_mm, ..*preset };
+        let tilts = electrode.plan.path.as_ref().is_some_and(|p| p.path.rows.iter().any(|row| row.pose.b != 0.0));
+        if preset.c_deg != 0.0 && tilts {
+            return wrong(format!(
+                "electrode {number} stands turned by {} deg about Z on its holder, so that B would tilt it about another line \
+                 than the path takes; align it on the holder, or plan on a machine without B",
+                preset.c_deg
+            ));
+        }
         let to = preset.reference_point(from);
         electrode.electrode.reference_point = to;
         if advance != DVec3::ZERO {

@@ -104,6 +104,7 @@ fn of_electrode(
         channels: channel.blades,
         own_channel: channel.index,
         electrode: outcome.burning(),
+        preset: outcome.preset.as_ref(),
         feed: (&planned.path, &planned.certificate),
         copying: copying.map(|motion| (&motion.path, &motion.certificate)),
         machine: &around.job.machine.seen_from_w(outcome.electrode.enters_from),

@@ -119,6 +119,7 @@ impl Parts {
             channels: 4,
             own_channel: 0,
             electrode: &self.electrode,
+            preset: None,
             feed: (&self.feed, &self.certificate),
             copying: None,
             machine,
