@@ -204,6 +204,7 @@ impl Scene {
             least_thickness_mm: 20.0,
             volume_mm3: self.electrode.volume(),
             burn_area_mm2: 1.0,
+            undersize_mm: 0.1,
             clearance_mm: 0.1,
             assumed: Vec::new(),
             patches: Vec::new(),

@@ -125,6 +125,7 @@ mod tests {
             least_thickness_mm: 5.0,
             volume_mm3: 1.0,
             burn_area_mm2: 1.0,
+            undersize_mm: 0.1,
             clearance_mm: 0.1,
             assumed: Vec::new(),
             patches: Vec::new(),

@@ -134,6 +134,7 @@ fn finish(
         least_thickness_mm: m.thickness,
         volume_mm3: mesh.volume(),
         burn_area_mm2: m.burn_area,
+        undersize_mm: plan.params.spark_gap_mm,
         clearance_mm: m.clearance,
         assumed,
         mesh,

@@ -236,6 +236,8 @@ pub struct Electrode {
     pub volume_mm3: f64,
     /// Area of the faces that burn: walls, hub side, shroud side and far end (mm^2).
     pub burn_area_mm2: f64,
+    /// Distance to the finished surface that it is made for: the spark gap, and the stock that its stage leaves (mm).
+    pub undersize_mm: f64,
     /// Exact distance to the finished blisk in the final pose (mm).
     pub clearance_mm: f64,
     /// Assumptions made, in plain sentences for the user.

@@ -56,6 +56,7 @@ pub fn from_user_mesh(
         least_thickness_mm: least_thickness(&mesh, &faces, cancel)?,
         volume_mm3,
         burn_area_mm2: burn_area(&mesh, &faces),
+        undersize_mm: spark_gap_mm,
         clearance_mm,
         assumed,
         faces,

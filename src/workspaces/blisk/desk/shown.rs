@@ -226,8 +226,7 @@ impl BliskDesk {
 
     /// Legend of the colours.
     pub fn colour_legend(&self) -> Legend {
-        let (of_electrode, _) = self.document.params().of_electrode(self.cursor.electrode);
-        let gap = of_electrode.electrode.spark_gap_mm;
+        let gap = self.shown_undersize();
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
@@ -249,6 +248,12 @@ impl BliskDesk {
     /// Whether the poses are those of a preview.
     pub fn is_live(&self) -> bool {
         matches!(self.track_of, TrackSource::Live(..))
+    }
+
+    /// Distance that the electrode that is shown keeps from the finished surface (mm).
+    fn shown_undersize(&self) -> f64 {
+        let of_job = || self.document.params().electrode.of_last_stage().spark_gap_mm;
+        self.shown_electrode().map_or_else(of_job, |(electrode, _)| electrode.undersize_mm)
     }
 
     /// The electrode that is shown, with its shape. While parameters are tuned, it is the electrode of the present
@@ -339,8 +344,7 @@ impl BliskDesk {
     /// parameters.
     pub fn required(&self) -> [f64; 2] {
         let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
-        let (job, _) = self.document.params().of_electrode(self.cursor.electrode);
-        let of_job = [job.electrode.spark_gap_mm, job.verify.tolerance_mm];
+        let of_job = [self.shown_undersize(), self.document.params().verify.tolerance_mm];
         path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
     }
 

@@ -52,10 +52,11 @@ fn which_electrode(ui: &mut Ui, desk: &mut BliskDesk) {
     if count > 1 {
         let label = ui.label(RichText::new("Electrode").color(palette(ui).faint));
         let mut chosen = desk.cursor.electrode;
-        let combo = egui::ComboBox::from_id_salt("electrode").width(48.0).selected_text((chosen + 1).to_string());
+        let params = &desk.document.params().electrode;
+        let combo = egui::ComboBox::from_id_salt("electrode").width(48.0).selected_text(params.label(chosen));
         let response = combo.show_ui(ui, |ui| {
             for i in 0..count {
-                ui.selectable_value(&mut chosen, i, (i + 1).to_string());
+                ui.selectable_value(&mut chosen, i, params.label(i));
             }
         });
         response.response.labelled_by(label.id);

@@ -234,11 +234,6 @@ impl<'a> Drawn<'a> {
         }
     }
 
-    /// Distance that electrode `i` keeps on its path (mm); of one without a path that of the surface.
-    fn gap(&self, i: usize) -> f64 {
-        self.plan.electrodes[i].1.path.as_ref().map_or(self.plan.spark_gap, |planned| planned.path.spark_gap)
-    }
-
     /// Electrode `i` at the end of its feed.
     fn final_pose(&self, i: usize) -> PlanPicture {
         let mut layers = self.layers.clone();
@@ -249,7 +244,7 @@ impl<'a> Drawn<'a> {
             title: format!("Electrode {} in its final pose", self.plan.electrodes[i].0.label(i)),
             caption: format!(
                 "The shroud is taken away to look into the channel. A spark gap of {:.3} mm is required all round.",
-                self.gap(i)
+                self.plan.electrodes[i].0.undersize_mm
             ),
             legend: self.legend(&[(Layer::Unshrouded, "finished blisk"), (Layer::Electrode, "electrode")]),
             camera: self.camera(i, &scene),

@@ -75,6 +75,7 @@ fn parts(bodies: Vec<Body>, turned: f64) -> Parts {
         least_thickness_mm: 2.0,
         volume_mm3: 80.0,
         burn_area_mm2: 1.0,
+        undersize_mm: 0.1,
         clearance_mm: 9.0,
         assumed: Vec::new(),
         patches: Vec::new(),
