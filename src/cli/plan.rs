@@ -214,7 +214,7 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     }
     for (i, electrode) in report.electrodes.iter().enumerate() {
         if let Some(preset) = &electrode.preset {
-            say!("preset     electrode {}: {preset}.", i + 1);
+            say!("preset     electrode {}: {preset}.", outcome.electrodes[i].electrode.label(i));
         }
     }
     if let Some(why) = &report.written.no_job_sheet {

@@ -70,7 +70,7 @@ pub(super) fn simulate(
 fn answers(outcome: &PlanOutcome) -> Answers {
     let answer = |(i, e): (usize, &crate::workspaces::blisk::job::outcome::ElectrodeOutcome)| ElectrodeAnswer {
         index: i + 1,
-        path: format!("Electrode {} {}.", i + 1, e.plan.verdict(&outcome.channel)),
+        path: format!("Electrode {} {}.", e.electrode.label(i), e.plan.verdict(&outcome.channel)),
         simulation: outcome.simulation(i).map(|s| SimulationReport::of(s)),
     };
     Answers {

@@ -37,20 +37,22 @@ impl Preset {
     /// Values of X, Y, Z (mm) and C (rad) that bring the electrode into its final pose, where a nominal electrode has all at 0.
     pub fn zero(&self) -> [f64; 4] {
         let c = -self.c_deg.to_radians();
-        let advance = DVec3::from(self.advance_mm);
+        let shift = self.shift();
         let slide = match self.table_arm_mm {
-            None => advance - DMat3::from_rotation_z(c) * self.offset(),
+            None => shift,
             // The table takes the blisk to where the turned electrode fits, and the slides bring the electrode there.
             Some(arm) => {
                 let arm = DVec2::from(arm).extend(0.0);
-                DMat3::from_rotation_z(-c) * (arm + advance) - arm - self.offset()
+                DMat3::from_rotation_z(-c) * (arm + shift) - arm
             }
         };
         [slide.x, slide.y, slide.z, c].map(|value| value + 0.0)
     }
 
-    fn offset(&self) -> DVec3 {
-        DVec3::new(self.x_mm, self.y_mm, self.z_mm)
+    /// Way from the reference point of a nominal electrode to that of this one, both in their final poses, in W (mm).
+    fn shift(&self) -> DVec3 {
+        let offset = DVec3::new(self.x_mm, self.y_mm, self.z_mm);
+        DVec3::from(self.advance_mm) - DMat3::from_rotation_z(-self.c_deg.to_radians()) * offset
     }
 
     /// Angle by which X and Y of the machine are turned about Z against W in the final pose (rad): where C turns the table, it
@@ -59,17 +61,12 @@ impl Preset {
         if self.table_arm_mm.is_some() { self.c_deg.to_radians() } else { 0.0 }
     }
 
-    /// Motion from where a part of the machine is in the final pose of a nominal electrode to where it is in that of this one, as
-    /// seen from the blisk: of the head, which C turns (`turns`) or not. `nominal` is the reference point of a nominal electrode.
+    /// Motion of a part of the head, as seen from the blisk, from where it is in the final pose of a nominal electrode with this
+    /// reference point to where it is in that of this one. `turns`: whether C turns it against the slides.
     pub fn of_head(&self, nominal: DVec3, turns: bool) -> DAffine3 {
-        let [x, y, z, c] = self.zero();
-        let about = |matrix3: DMat3, from: DVec3, to: DVec3| DAffine3 { matrix3, translation: to - matrix3 * from };
-        let turned = DMat3::from_rotation_z(c);
-        match self.table_arm_mm {
-            Some(_) => about(turned, nominal + self.offset(), nominal + DVec3::from(self.advance_mm)),
-            None if turns => about(turned, nominal, nominal + DVec3::new(x, y, z)),
-            None => DAffine3::from_translation(DVec3::new(x, y, z)),
-        }
+        let turned = self.table_arm_mm.is_some() || turns;
+        let matrix3 = if turned { DMat3::from_rotation_z(-self.c_deg.to_radians()) } else { DMat3::IDENTITY };
+        DAffine3 { matrix3, translation: nominal + self.shift() - matrix3 * nominal }
     }
 
     /// Motion of what stands on the bed, as [`of_head`](Self::of_head), about the point `axis` of the axis that C turns about.
@@ -78,19 +75,15 @@ impl Preset {
         DAffine3 { matrix3, translation: axis - matrix3 * axis }
     }
 
-    /// Point that C turns the electrode about, in its final pose, where a nominal electrode has `nominal` (mm, in W); that point
-    /// itself where C turns the table.
+    /// Reference point of the electrode, which B and C turn about where they turn it, in its final pose; a nominal electrode has
+    /// `nominal` (mm, in W).
     pub fn reference_point(&self, nominal: DVec3) -> DVec3 {
-        if self.table_arm_mm.is_some() {
-            return nominal;
-        }
-        let [x, y, z, _] = self.zero();
-        nominal + DVec3::new(x, y, z)
+        nominal + self.shift()
     }
 
     /// The reference point of a nominal electrode, where that of this one is `own` (mm, in W).
     pub fn nominal(&self, own: DVec3) -> DVec3 {
-        own - self.reference_point(DVec3::ZERO)
+        own - self.shift()
     }
 
     /// Length that the front of the electrode has lost (mm).
@@ -187,15 +180,21 @@ mod tests {
         const Q: DVec3 = DVec3::new(-60.0, 4.0, 0.0);
         let arm = (O - Q).truncate();
         let preset = Preset { table_arm_mm: Some(arm.into()), ..preset() };
-        let chain = Chain::new(O, Some(Q.truncate())).turned(preset.turned());
-        let [x0, y0, z0, c0] = preset.zero();
-        assert_eq!(preset.reference_point(O), O);
-        for pose in [
-            Pose { x: -30.0, y: 2.0, z: 1.0, a: 0.05, b: 0.0, c: 0.3 },
-            Pose { x: -12.0, y: 1.0, z: 0.5, a: -0.1, b: 0.0, c: -0.2 },
-            Pose::FINAL,
+        let straight = Preset { c_deg: 0.0, ..preset };
+        let pose = |[x, y, z, a, b, c]: [f64; 6]| Pose { x, y, z, a, b, c };
+        for (preset, pose) in [
+            (preset, pose([-30.0, 2.0, 1.0, 0.05, 0.0, 0.3])),
+            (preset, pose([-12.0, 1.0, 0.5, -0.1, 0.0, -0.2])),
+            (preset, Pose::FINAL),
+            // Only an electrode that is not turned may be tilted.
+            (straight, pose([-12.0, 1.0, 0.5, -0.1, 0.15, -0.2])),
         ] {
-            let Pose { x, y, z, a, c, .. } = chain.machine_pose(&pose);
+            let own = preset.reference_point(O);
+            assert!(preset.nominal(own).distance(O) < 1e-12);
+            let chain = Chain::new(own, Some(Q.truncate())).turned(preset.turned());
+            let [x0, y0, z0, c0] = preset.zero();
+            let of_row = pose.about(O, own);
+            let Pose { x, y, z, a, b, c } = chain.machine_pose(&of_row);
             let slides = DVec3::new(x0 + x, y0 + y, z0 + z);
             let of_part = |on_head: DVec3| {
                 let from_axis = DMat3::from_rotation_z(c0 + c) * (on_head + slides - Q);
@@ -203,11 +202,12 @@ mod tests {
             };
             let p = DVec3::new(7.0, -4.0, 118.0);
             let offset = DVec3::new(preset.x_mm, preset.y_mm, preset.z_mm);
-            let on_holder = O + offset + DMat3::from_rotation_z(preset.c_deg.to_radians()) * (p - O);
+            let on_holder = offset + DMat3::from_rotation_z(preset.c_deg.to_radians()) * (p - O);
+            let tilted = O + DMat3::from_rotation_y(b) * on_holder;
             let expected = pose.placement(O).transform_point3(p + DVec3::from(preset.advance_mm));
-            assert!(of_part(on_holder).distance(expected) < 1e-9, "{} {expected}", of_part(on_holder));
+            assert!(of_part(tilted).distance(expected) < 1e-9, "{} {expected}", of_part(tilted));
             // The head and the bed, as a simulation moves them from where they are in the final pose.
-            let head = pose.placement(O) * preset.of_head(O, false);
+            let head = Pose { b: 0.0, ..of_row }.placement(own) * preset.of_head(O, false);
             assert!(of_part(p).distance(head.transform_point3(p)) < 1e-9);
             let on_bed = DMat3::from_rotation_x(a) * (Q + DMat3::from_rotation_z(c0 + c) * (p - Q));
             let bed = Pose { a: pose.a, c: pose.c, ..Pose::FINAL }.placement(Q) * preset.of_bed(Q);

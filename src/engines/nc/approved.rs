@@ -7,6 +7,7 @@ use feed::machine::BeyondTravel;
 use feed::machine_model::MachineModel;
 use feed::path::FeedPath;
 use feed::pose::Pose;
+use feed::preset::Preset;
 use feed::quantise::first_unquantised_row;
 use feed::simulation::Simulation;
 use geometry::mesh::{Bounds, Mesh};
@@ -43,6 +44,7 @@ pub struct Approved {
     certificate: Certificate,
     enters_from: EntrySide,
     electrode: Bounds,
+    preset: Option<Preset>,
     copying: Option<CopyingMotion>,
     simulation: Option<Simulation>,
 }
@@ -154,7 +156,7 @@ impl Approved {
             return Err(NotApproved::NotQuantised { row });
         }
         let electrode = electrode.bounds();
-        Ok(Self { path, certificate, enters_from, electrode, copying: None, simulation: None })
+        Ok(Self { path, certificate, enters_from, electrode, preset: None, copying: None, simulation: None })
     }
 
     /// Approval with the copying motion that is to follow the feed, and without a simulation: one with this motion is
@@ -199,6 +201,13 @@ impl Approved {
         Ok(Self { copying: Some(motion.clone()), simulation: None, ..self })
     }
 
+    /// Approval of the feed of an electrode that stands on its holder as `preset` says.
+    #[must_use]
+    pub fn with_preset(self, preset: Option<&Preset>) -> Self {
+        // What was simulated before may stand otherwise.
+        Self { preset: preset.copied(), simulation: None, ..self }
+    }
+
     /// Approval with the whole motion on the machine `model`, approach and retraction and the other channels included.
     ///
     /// # Errors
@@ -213,6 +222,7 @@ impl Approved {
             ("blisk", s.blisk_digest() == c.blisk_digest()),
             ("electrode", s.electrode_digest() == c.electrode_digest()),
             ("machine", s.model_digest() == model.digest()),
+            ("preset", s.preset() == self.preset.as_ref()),
             ("side of entry", s.enters_from() == self.enters_from),
         ];
         if let Some((what, _)) = same.into_iter().find(|(_, is_same)| !is_same) {

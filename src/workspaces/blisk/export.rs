@@ -380,7 +380,8 @@ fn electrode_files(
     let not_approved = |source| PlanFilesError::NotApproved { electrode: k, source };
     let mut approved =
         Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, &outcome.burning().mesh)
-            .map_err(not_approved)?;
+            .map_err(not_approved)?
+            .with_preset(outcome.preset.as_ref());
     if let Some(copying) = copying {
         approved = approved.with_copying(copying).map_err(not_approved)?;
     }

@@ -9,6 +9,7 @@ use crate::machine::Mounting;
 use crate::machine_model::Body;
 use crate::path::FeedPath;
 use crate::pose::{Axis, Pose};
+use crate::preset::Preset;
 use wheel::electrode::EntrySide;
 
 /// Distance of two bodies at one instant of the whole motion.
@@ -70,6 +71,8 @@ pub(super) struct Findings {
     pub(super) blisk_digest: String,
     pub(super) electrode_digest: String,
     pub(super) model_digest: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) preset: Option<Preset>,
     pub(super) with_bodies: bool,
     pub(super) body_clearance_mm: f64,
     pub(super) enters_from: EntrySide,
@@ -125,6 +128,11 @@ impl Simulation {
     /// [`Mesh::digest`](geometry::mesh::Mesh::digest) of the electrode, in its final pose in W.
     pub fn electrode_digest(&self) -> &str {
         &self.findings.electrode_digest
+    }
+
+    /// How the electrode stands on its holder; none of a nominal one.
+    pub fn preset(&self) -> Option<&Preset> {
+        self.findings.preset.as_ref()
     }
 
     /// [`MachineModel::digest`](crate::machine_model::MachineModel::digest) of the bodies.

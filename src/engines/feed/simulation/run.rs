@@ -55,6 +55,7 @@ pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -
         pairs,
         period_error,
         model_digest: scenario.model.digest(),
+        preset: scenario.preset.copied(),
         with_bodies: scenario.machine.has_bodies(),
         body_clearance_mm: scenario.machine.body_clearance_mm,
         enters_from: scenario.electrode.enters_from,

@@ -8,8 +8,8 @@ use super::params::{GAP, RADIAL, TURN};
 
 /// Most stages of a channel.
 const MOST: usize = 8;
-/// Stock that a stage may leave (mm).
-const STOCK: [f64; 2] = [0.0, 5.0];
+/// Finishes (VDI 3400).
+const VDI: [f64; 2] = [-20.0, 60.0];
 
 /// A stage: every part of the channel is burned in it with electrodes of its own, before the next stage begins.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,10 @@ impl StageParams {
             return Err(Invalid::of("name", "is empty; give the stage a name"));
         }
         Invalid::unless_within("spark_gap_mm", self.spark_gap_mm, GAP, "mm")?;
-        Invalid::unless_within("stock_mm", self.stock_mm, STOCK, "mm")?;
+        Invalid::unless_within("stock_mm", self.stock_mm, [0.0, GAP[1] - self.spark_gap_mm], "mm")?;
+        if let Some(vdi) = self.finish_vdi {
+            Invalid::unless_within("finish_vdi", vdi, VDI, "VDI")?;
+        }
         let reductions = [
             ("low_reduction_deg", self.low_reduction_deg, TURN, "deg"),
             ("high_reduction_deg", self.high_reduction_deg, TURN, "deg"),
@@ -88,7 +91,7 @@ impl ElectrodeParams {
         }
         for (i, stage) in self.stage.iter().enumerate() {
             stage.validate().map_err(|problem| problem.within(&format!("stage[{i}]")))?;
-            if self.stage[..i].iter().any(|before| before.name == stage.name) {
+            if self.stage[..i].iter().any(|before| before.name.trim() == stage.name.trim()) {
                 let remedy = "another stage has this name; give each its own";
                 return Err(Invalid::new(format!("stage[{i}].name"), &stage.name, remedy));
             }
@@ -98,6 +101,16 @@ impl ElectrodeParams {
             return Err(Invalid::new(format!("stage[{last}].stock_mm"), self.stage[last].stock_mm, remedy));
         }
         Ok(())
+    }
+
+    /// What electrodes and paths depend on: without the ends of burning.
+    #[must_use]
+    pub fn searched(&self) -> Self {
+        let mut searched = self.clone();
+        for stage in &mut searched.stage {
+            (stage.last_step, stage.finish_vdi) = Default::default();
+        }
+        searched
     }
 
     /// Number of stages; 1 where none is given.
@@ -214,6 +227,11 @@ mod tests {
         assert!(said(&|p| p.stage[0].name = " ".to_owned()).contains("electrode.stage[0].name"));
         assert!(said(&|p| p.stage[1].stock_mm = 0.1).contains("electrode.stage[1].stock_mm is 0.1"));
         assert!(said(&|p| p.stage[0].spark_gap_mm = 0.0).contains("electrode.stage[0].spark_gap_mm is 0"));
+        assert!(
+            said(&|p| p.stage[0].stock_mm = 1.9).contains("electrode.stage[0].stock_mm is 1.9"),
+            "2 mm with the gap"
+        );
+        assert!(said(&|p| p.stage[0].finish_vdi = Some(99.0)).contains("electrode.stage[0].finish_vdi is 99"));
         assert!(said(&|p| p.mesh = Some("own.stl".into())).contains("electrode.stage"));
         assert!(said(&|p| p.stage = vec![p.stage[1].clone(); 9]).contains("at most 8"));
     }

@@ -227,10 +227,7 @@ impl KeptPlan {
             *mesh = mesh.take().map(|_| "mesh".into());
         }
         electrode.more.iter_mut().for_each(|own| own.mesh = "mesh".into());
-        for stage in &mut electrode.stage {
-            // Neither names nor technology have a part in the search.
-            (stage.name, stage.last_step, stage.finish_vdi) = Default::default();
-        }
+        electrode = electrode.searched();
         if let BladesFrom::Measured(blades) = &mut blisk.sections {
             blades.file = "sections".into();
         }

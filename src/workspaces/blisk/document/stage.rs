@@ -63,7 +63,7 @@ impl Fingerprint {
         }
         if stage >= Stage::Electrode {
             // The sides of entry that are left depend on the bodies.
-            add(&mut hash, &(&job.electrode, job.machine.has_bodies()));
+            add(&mut hash, &(&job.electrode.searched(), job.machine.has_bodies()));
         }
         if stage >= Stage::Plan {
             add(&mut hash, &(&job.machine, &job.plan, &job.genetic, &job.verify));
@@ -78,6 +78,7 @@ impl Fingerprint {
         }
         if stage >= Stage::Export {
             add(&mut hash, &(&job.export, &job.technology, &job.burning, &job.setup));
+            add(&mut hash, &job.electrode.stage);
         }
         Self(hash.finalize().into())
     }
@@ -94,6 +95,7 @@ fn add(hash: &mut Sha256, part: &impl Serialize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wheel::electrode::StageParams;
 
     /// Stages that have another fingerprint after `change`.
     fn changed(change: impl Fn(&mut PlanJob)) -> Vec<Stage> {
@@ -116,6 +118,14 @@ mod tests {
         assert_eq!(changed(|j| j.technology.id = "other".into()), [Export], "a path does not depend on how it burns");
         assert_eq!(changed(|j| j.burning.last_step = "S1".into()), [Export]);
         assert_eq!(changed(|j| j.machine.body_clearance_mm += 1.0), [Plan, Verify, Export]);
+        let staged = |last_step: &str| {
+            let mut job = PlanJob::demonstration();
+            job.electrode.stage = vec![StageParams { last_step: last_step.to_owned(), ..StageParams::default() }];
+            job
+        };
+        let of = |stage, step| Fingerprint::of(stage, &staged(step), "m");
+        assert_eq!(of(Verify, "R1"), of(Verify, "S1"), "nor on how a stage burns");
+        assert_ne!(of(Export, "R1"), of(Export, "S1"));
         assert_eq!(changed(|j| j.setting.x_mm = 0.005), [Plan, Verify, Export]);
         // Bodies of a machine decide which sides of entry are left.
         assert_eq!(changed(|j| j.machine.name = "xyzc".into()), [Electrode, Plan, Verify, Export]);

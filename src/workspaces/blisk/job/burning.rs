@@ -16,7 +16,8 @@ use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::technology::read_table;
 
 /// Reason why there are no minutes where burning has no end.
-const NO_END: &str = "neither a last step nor a finish is given (burning.last_step, burning.finish_vdi)";
+const NO_END: &str =
+    "neither a last step nor a finish is given (burning.last_step, burning.finish_vdi, or those of electrode.stage)";
 
 /// Burning of a wheel with the electrodes of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,6 +57,7 @@ impl WheelBurning {
     /// computed, and for a plan that is not verified.
     pub fn of_job(outcome: &PlanOutcome, job: &PlanJob) -> Option<Self> {
         let stock = outcome.stock().filter(|_| outcome.is_verified())?;
+        let whole = &job.electrode;
         let table = read_table(&job.technology).map_err(|error| error.to_string());
         let removed = stock.left.as_ref().map(|left| left.removed.as_slice());
         let of = |(i, electrode): (usize, &ElectrodeOutcome)| match (&removed, &table) {
@@ -63,7 +65,9 @@ impl WheelBurning {
             (_, Err(why)) => BurnFigures::unknown(why),
             (Ok(removed), Ok(table)) => {
                 let (job, _) = job.of_electrode(i);
-                figures(electrode, removed.get(i).map_or(&[], Vec::as_slice), &job, table)
+                // What its stage leaves is left by the electrode, and not by its steps.
+                let gap_mm = whole.burned_gap_mm(i);
+                figures((electrode, gap_mm), removed.get(i).map_or(&[], Vec::as_slice), &job, table)
             }
         };
         Some(Self::of(outcome.electrodes.iter().enumerate().map(of).collect(), outcome.channel.blades, job))
@@ -106,7 +110,12 @@ impl WheelBurning {
     }
 }
 
-fn figures(outcome: &ElectrodeOutcome, removed: &[Piece], job: &PlanJob, table: &TechnologyFile) -> BurnFigures {
+fn figures(
+    (outcome, gap_mm): (&ElectrodeOutcome, f64),
+    removed: &[Piece],
+    job: &PlanJob,
+    table: &TechnologyFile,
+) -> BurnFigures {
     let Some(until) = job.burning.until() else { return BurnFigures::unknown(NO_END) };
     if removed.is_empty() {
         return BurnFigures::idle();
@@ -114,7 +123,7 @@ fn figures(outcome: &ElectrodeOutcome, removed: &[Piece], job: &PlanJob, table: 
     let area = outcome.electrode.burn_area_mm2;
     let burn = Burn {
         burned_area_mm2: (area > 0.0).then_some(area),
-        undersize_mm: Some(job.electrode.spark_gap_mm),
+        undersize_mm: Some(gap_mm),
         depth_to_width: None,
         from: None,
         until,

@@ -205,7 +205,10 @@ impl Kind {
     /// `job` for this kind.
     fn of(&self, job: &PlanJob) -> PlanJob {
         let until = self.plane.map(|plane| PartParams { until: Some(plane), ..PartParams::default() });
+        let mut stage = job.electrode.stage.clone();
+        stage.iter_mut().for_each(|stage| stage.radial_reduction_mm = None);
         let electrode = ElectrodeParams {
+            stage,
             parts: self.parts,
             columns: self.columns,
             radial_reduction_mm: self.radial_reduction_mm,
@@ -305,6 +308,9 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
     let thickest = stock.map(|stock| stock.thickest().map(|(_, layer)| layer));
     let residual_mm = thickest.map(|layer| layer.map_or(0.0, |layer| layer.depth_mm));
     let is_more_left = thickest.flatten().is_some_and(|layer| layer.or_more);
+    let thicknesses = outcome.electrodes.iter().map(|e| e.electrode.least_thickness_mm);
+    // Sizes are those of the last stage, and roughing electrodes are thinner.
+    let size = SizeRow { least_thickness_mm: thicknesses.fold(f64::INFINITY, f64::min), ..size };
     let needed = burning.and_then(|of| of.electrodes.iter().map(|electrode| electrode.copies).sum());
     let mut breaks = Vec::new();
     match (limits.residual_mm, residual_mm) {

@@ -232,7 +232,8 @@ impl PlanOutcome {
     /// Sentences on the setting errors that each electrode bears, as far as known.
     pub fn setting_sentences(&self) -> impl Iterator<Item = String> {
         let rooms = self.finishing().into_iter().flat_map(|f| f.setting.iter().enumerate());
-        rooms.filter_map(|(i, room)| Some(format!("Electrode {}: {}.", i + 1, room.as_ref()?.sentence())))
+        let label = |i: usize| self.electrodes.get(i).map_or_else(String::new, |e| e.electrode.label(i));
+        rooms.filter_map(move |(i, room)| Some(format!("Electrode {}: {}.", label(i), room.as_ref()?.sentence())))
     }
 
     /// The whole motion of the electrode with this index on the machine, if it was simulated.

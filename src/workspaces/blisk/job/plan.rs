@@ -89,7 +89,7 @@ pub fn run_prepared(
     task: &Task,
 ) -> Result<PlanOutcome, PlanJobError> {
     let clock = prepared.clock.clone();
-    JobPlanner { inputs, prepared, observe, explain: true, task, clock }.outcome()
+    JobPlanner { inputs, prepared, observe, explain: true, stage: None, task, clock }.outcome()
 }
 
 /// Plans as [`run_prepared`] does, without reporting nodes and without finding out which change
@@ -99,7 +99,7 @@ pub fn run_prepared(
 /// Every error of [`run_prepared`].
 pub fn run_feeds(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
     let clock = prepared.clock.clone();
-    JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock }.outcome()
+    JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, stage: None, task, clock }.outcome()
 }
 
 /// Whether electrode number `number` along the passage has a certified path.
@@ -112,8 +112,15 @@ pub(super) fn comes_out(
     number: usize,
     task: &Task,
 ) -> Result<bool, PlanJobError> {
-    let mut planner =
-        JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock: Clock::default() };
+    let mut planner = JobPlanner {
+        inputs,
+        prepared,
+        observe: &|_, _, _| (),
+        explain: false,
+        stage: None,
+        task,
+        clock: Clock::default(),
+    };
     Ok(planner.part(number)?.plan.is_verified())
 }
 
@@ -122,6 +129,8 @@ struct JobPlanner<'a> {
     prepared: &'a PreparedBlisk,
     observe: &'a ObservePlan<'a>,
     explain: bool,
+    /// Name of the stage whose electrodes are planned as if it were the only one.
+    stage: Option<String>,
     task: &'a Task,
     clock: Clock,
 }
@@ -171,12 +180,11 @@ impl JobPlanner<'_> {
         if !self.inputs.job.electrode.stage.is_empty() {
             let (inputs, in_stage) = self.inputs.of_electrode(part);
             let clock = std::mem::take(&mut self.clock);
-            let mut of_stage = JobPlanner { inputs: &inputs, clock, ..*self };
+            let stage = self.inputs.job.electrode.stage_of(part).map(|stage| stage.name.clone());
+            let mut of_stage = JobPlanner { inputs: &inputs, stage, clock, ..*self };
             let outcome = of_stage.part(in_stage);
             self.clock = of_stage.clock;
-            let mut outcome = outcome?;
-            outcome.electrode.stage = self.inputs.job.electrode.stage_of(part).map(|stage| stage.name.clone());
-            return Ok(outcome);
+            return outcome;
         }
         // The best first.
         let mut outcomes: Vec<ElectrodeOutcome> = Vec::new();
@@ -302,7 +310,8 @@ impl JobPlanner<'_> {
 
     fn electrode(&self, part: usize, side: EntrySide, h: f64) -> Result<Electrode, ElectrodeError> {
         let PreparedBlisk { space, exact, .. } = self.prepared;
-        electrode_of(self.inputs, &space.channel, exact, (part, side, h), self.task)
+        let made = electrode_of(self.inputs, &space.channel, exact, (part, side, h), self.task)?;
+        Ok(Electrode { stage: self.stage.clone().or(made.stage), ..made })
     }
 }
 

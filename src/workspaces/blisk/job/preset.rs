@@ -173,8 +173,7 @@ pub fn with_presets(
         let side = electrode.electrode.enters_from;
         let mounting = job.machine.mounting(side);
         let station = Station::new(&electrode.electrode.mesh, from, side, mounting, blisk);
-        let table = station.chain().on_table_c().filter(|_| job.machine.has_bodies());
-        let table_arm_mm = table.map(|q| (from - q).truncate().into());
+        let table_arm_mm = station.chain().on_table_c().map(|q| (from - q).truncate().into());
         let preset = Preset { advance_mm: advance.into(), table_arm_mm, ..*preset };
         let tilts = electrode.plan.path.as_ref().is_some_and(|p| p.path.rows.iter().any(|row| row.pose.b != 0.0));
         if preset.c_deg != 0.0 && tilts {

@@ -120,7 +120,7 @@ const LOWER: [f64; 3] = [2.0, 1.0, 4.0];
 /// Most plans that are tried so for a row.
 const MOST_LOWERED: usize = 10;
 
-/// Sizes the electrodes of the job, of stages those of the last one, for every number of parts in `range`, and shows `found` each row as it is certified.
+/// Sizes the electrodes of the job, or of its last stage, for every number of parts in `range`, and shows `found` each row as it is certified.
 /// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
 /// brings most on the better side; for more parts, or columns, they are equal, the greatest that any of them needs.
 ///

@@ -260,7 +260,7 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
     let Some(first) = outcome.electrodes.first() else { return Vec::new() };
     let (params, weights) =
         (&job.electrode, job.plan.weights.normalised(job.machine.axes.free_axes(first.electrode.enters_from)));
-    let [low, high] = params.circumferential_reduction_deg;
+    let [low, high] = params.of_last_stage().circumferential_reduction_deg;
     let summary = BliskSummary::of(&outcome.channel);
     let h = first.plan.h.to_degrees();
     let first_weight = match Axis::of_withdrawal(first.electrode.enters_from) {
@@ -278,11 +278,9 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         list.insert(3, symbol("delta", "spark gap", text(params.spark_gap_mm), "mm"));
     }
     for stage in params.stage.iter().rev() {
-        let meaning = format!("spark gap, and stock left, in the stage {}", stage.name);
-        list.insert(
-            3,
-            symbol("delta", &meaning, format!("{}, {}", text(stage.spark_gap_mm), text(stage.stock_mm)), "mm"),
-        );
+        let of_stage = |what: &str| format!("{what} in the stage {}", stage.name);
+        list.insert(3, symbol("", &of_stage("stock left"), text(stage.stock_mm), "mm"));
+        list.insert(3, symbol("delta", &of_stage("spark gap"), text(stage.spark_gap_mm), "mm"));
     }
     for (name, meaning, value) in [
         ("a1", first_weight, weights.a1),

@@ -243,7 +243,7 @@ impl<'a> Drawn<'a> {
             file: format!("electrode_{}_final.png", i + 1),
             title: format!("Electrode {} in its final pose", self.plan.electrodes[i].0.label(i)),
             caption: format!(
-                "The shroud is taken away to look into the channel. A spark gap of {:.3} mm is required all round.",
+                "The shroud is taken away to look into the channel. A clearance of {:.3} mm is required all round.",
                 self.plan.electrodes[i].0.undersize_mm
             ),
             legend: self.legend(&[(Layer::Unshrouded, "finished blisk"), (Layer::Electrode, "electrode")]),

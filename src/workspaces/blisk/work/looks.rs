@@ -224,11 +224,15 @@ impl BliskWork {
         let electrode = &mut job.electrode;
         (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, Sizing::Given);
         electrode.circumferential_reduction_deg = [0.0; 2];
+        if let Some(last) = electrode.stage.last_mut() {
+            (last.low_reduction_deg, last.high_reduction_deg) = (None, None);
+        }
         let (stage, edits) = match table {
             ElectrodeTable::Sizes => (Stage::Plan, 0),
             // Their hours depend on the technology.
             ElectrodeTable::Sets => {
                 (electrode.columns, electrode.part, electrode.radial_reduction_mm) = (1, Vec::new(), 0.0);
+                electrode.stage.iter_mut().for_each(|stage| stage.radial_reduction_mm = None);
                 job.genetic.h = ReductionMode::Given;
                 job.export = ExportSection { channels: job.export.channels.clone(), ..ExportSection::default() };
                 (Stage::Export, now.technology_edits)

@@ -30,7 +30,7 @@ const PART: &[Field] = &[
 const STAGE: &[Field] = &[
     Field::text("name", "Name").help("Name of the stage in lists and reports."),
     Field::number("spark_gap_mm", "Spark gap", "mm", 0.005, 2.0).step(0.005).help("Spark gap of its burns."),
-    Field::number("stock_mm", "Stock", "mm", 0.0, 5.0).step(0.005).help(
+    Field::number("stock_mm", "Stock", "mm", 0.0, 2.0).step(0.005).help(
         "Stock left for the later stages on every surface; its electrodes are smaller by that and the spark gap.",
     ),
     Field::number("low_reduction_deg", "Low wall", "deg", 0.0, 45.0)
@@ -44,7 +44,7 @@ const STAGE: &[Field] = &[
         .help("The stage's own radial reduction."),
     Field::text("last_step", "Last step")
         .help("Name of the step of the technology at which its burns end; empty to end at the finish."),
-    Field::number("finish_vdi", "Finish", "VDI", 0.0, 60.0)
+    Field::number("finish_vdi", "Finish", "VDI", -20.0, 60.0)
         .decimals(1)
         .step(0.1)
         .or_nothing(24.0)
