@@ -254,6 +254,20 @@ impl Desk {
 }
 
 #[test]
+fn datums_of_the_set_up_sheet_are_rows_of_the_form() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::In("mold", None));
+    desk.until_loaded();
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    desk.press_role(Role::DisclosureTriangle, "Set-up sheet");
+    desk.press("Add to Datums");
+    desk.enter("Datums 1, X", "12.5");
+    let row = DatumRow { x_mm: 12.5, y_mm: 0.0, z_mm: 0.0, radius_mm: Some(10.0) };
+    assert_eq!(desk.mold().document.params().setup.datum, [row]);
+    assert_eq!(desk.mold().document.undo_label(false), Some("Datums 1, X"));
+}
+
+#[test]
 fn every_parameter_of_electrodes_has_a_field() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
