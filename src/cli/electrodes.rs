@@ -11,7 +11,7 @@ use super::{Answer, Session, mm};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::holder_files::read_holders;
-use crate::workspaces::mold::export::{EXPORT, export_electrodes};
+use crate::workspaces::mold::export::{EXPORT, ElectrodeForms, export_electrodes};
 use crate::workspaces::mold::job::divisions::{WayResult, compare_divisions};
 use crate::workspaces::mold::job::electrodes::electrodes as find_electrodes;
 use crate::workspaces::mold::job::uncut::uncut as find_uncut;
@@ -71,8 +71,8 @@ pub(super) struct ElectrodesArguments {
     /// No pictures in the report.
     #[arg(long)]
     no_pictures: bool,
-    /// Folder for the electrode files, burn_table.csv, burn_table.json, burn_sheet.txt and report.html, made if it is
-    /// not there.
+    /// Folder for the electrode files, burn_table.csv, burn_table.json, burn_sheet.txt, report.html and, with a datum
+    /// (setup.datum), setup_sheet.txt, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -136,9 +136,10 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
             Vec::new()
         });
         session.task.check()?;
-        let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
+        let formats = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
+        let forms = ElectrodeForms { formats, burn_sheet: sheet, set_up: asked.setup.set_up() };
         let page = ElectrodesPage { times: &steps(&clock.times()), pictures: &pictures };
-        let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &page, &formats, &session.task)?;
+        let (written, published) = export_electrodes(folder, (&set, &report), &forms, &page, &session.task)?;
         has_all_files = written.no_sheet.is_none() && written.left_out.iter().all(|left| left.format.is_none());
         lines.extend(not_written(&written, &published));
     } else {

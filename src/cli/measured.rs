@@ -1,6 +1,6 @@
 //! `sparkpath measured`: a finished part that was scanned, fitted to its nominal mesh and judged.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
@@ -8,8 +8,12 @@ use serde_json::json;
 
 use super::{Answer, POSITIVE, Session, mm, unit};
 use crate::workspaces::blisk::document::scan::{ALL_FREE, freedoms};
+use crate::workspaces::blisk::job::plan_pictures::drawn;
 use crate::workspaces::blisk::job::scan::{Judgement, ScannedPart, Surfaces};
+use crate::workspaces::blisk::report::measured::{ScanPage, page};
+use crate::workspaces::blisk::scene::scan::scan_picture;
 use files::ExportFolder;
+use files::report::Picture;
 use geometry::mesh::Mesh;
 use import::{Reading, Units};
 use measured::deviation::{DeviationMap, Statistics, Tolerance};
@@ -18,6 +22,7 @@ use measured::points::{PointLimits, read_points};
 use measured::table::{deviations_csv, deviations_ply};
 use render::colour::Colour;
 use render::colour_map::ColourMap;
+use render::offscreen::RenderError;
 use wheel::error::BliskError;
 use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
@@ -47,7 +52,10 @@ pub(super) struct MeasuredArguments {
     /// Unit of the nominal mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
     units: Units,
-    /// Folder for measured.json, deviations.csv and deviations.ply, made if it is not there.
+    /// No picture on the page.
+    #[arg(long)]
+    no_pictures: bool,
+    /// Folder for measured.json, measured.html, deviations.csv and deviations.ply, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -67,7 +75,7 @@ pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyh
     let surfaces = surfaces_of(&mesh, session)?;
     let reach_mm = arguments.reach.unwrap_or(f64::INFINITY);
     let judgement = Judgement { tolerance, freedoms, reach_mm };
-    let found = ScannedPart::of(mesh, &surfaces, &scan, &judgement, &session.task)?;
+    let found = ScannedPart::of(mesh.clone(), &surfaces, &scan, &judgement, &session.task)?;
     let ScannedPart { fit, map, beyond_reach, verdict, all, by_surface, by_channel, worst } = &found;
     super::terminal::finish();
     let answer = json!({
@@ -111,16 +119,38 @@ pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyh
         }
     }
     if let Some(folder) = &arguments.out {
+        let pictures = if arguments.no_pictures { Vec::new() } else { pictures(&found, &mesh, session)? };
+        let (nominal, scan) = (file_name(&arguments.nominal), file_name(&arguments.scan));
+        let html = page(&found, &ScanPage { nominal: &nominal, scan: &scan, pictures: &pictures })?;
         let files = [
             ("measured.json", serde_json::to_string_pretty(&answer)?.into_bytes()),
+            ("measured.html", html.into_bytes()),
             ("deviations.csv", deviations_csv(map, |of| surfaces.name(of.triangle)).into_bytes()),
             ("deviations.ply", coloured(map, arguments.tolerance)),
         ];
         let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
         ExportFolder::write_all(folder, MEASURED, &files)?;
-        session.note(&format!("measured.json, deviations.csv and deviations.ply are in {}", folder.display()));
+        let written = "measured.json, measured.html, deviations.csv and deviations.ply are in";
+        session.note(&format!("{written} {}", folder.display()));
     }
     Ok(if verdict.is_within { Answer::Yes } else { Answer::No })
+}
+
+/// The picture of the page; none, with the reason told, where nothing can be drawn.
+fn pictures(found: &ScannedPart, mesh: &Mesh, session: &Session) -> anyhow::Result<Vec<Picture>> {
+    match drawn(scan_picture(found, mesh), &session.task) {
+        Ok(picture) => Ok(vec![picture]),
+        Err(RenderError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(error) => {
+            session.note(&format!("no picture on the page: {error}"));
+            Ok(Vec::new())
+        }
+    }
+}
+
+/// Name of a file without its folder.
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 fn print_row(name: &str, of: &Statistics) {

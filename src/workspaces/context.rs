@@ -134,7 +134,7 @@ pub enum Request {
     Show,
     /// Tells that the work of this copy has been recovered, so that the copy can go.
     Recovered(Recovery),
-    /// Sends a message to the workspace that accepts it.
+    /// Sends a message to the other workspaces, until one handles it.
     Send(Message),
 }
 

@@ -1,5 +1,6 @@
 //! Messages from one workspace to another.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use flank::fit_ruled::PartBase;
@@ -9,11 +10,13 @@ use glam::DVec3;
 use mold::electrode::design::Electrode as MoldElectrode;
 use wheel::electrode::{Electrode as BliskElectrode, EntrySide};
 
-/// A plain value, handled by the first workspace that accepts it.
+/// A plain value from one workspace to the others.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Message {
-    /// An electrode whose flanks are to be milled.
+    /// An electrode whose flanks are to be milled; for the first workspace that accepts it.
     MillFlanks(Arc<ElectrodePart>),
+    /// The technology table in this file has changed; for every workspace.
+    TechnologyTable(PathBuf),
 }
 
 /// An electrode with its orientation for milling its flanks.

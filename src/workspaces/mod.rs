@@ -14,6 +14,7 @@ pub mod news;
 pub mod opening;
 pub mod preferences;
 pub mod registry;
+pub mod setup;
 pub mod technology;
 pub mod workspace;
 

@@ -147,7 +147,7 @@ pub trait Workspace: Any + Commanded {
         true
     }
 
-    /// Takes a message of another workspace. Returns whether this workspace handles the message.
+    /// Takes a message of another workspace. Returns whether this workspace handles the message, so that no other has to.
     fn receive(&mut self, _message: &Message, _cx: &mut Context) -> bool {
         false
     }

@@ -54,10 +54,20 @@ fn a_work_datum_changes_positions_and_no_electrode() {
         (read("E01_finish_g0.05_copper_x1.stl"), table, String::from_utf8(read("burn_sheet.txt")).unwrap(), words)
     };
     let (plain, from_mesh, ..) = made("plain", &[]);
-    let (same, from_datum, sheet, words) = made("datum", &["--datum", "10,-4,0.5", "--datum-angle", "90"]);
+    let datum = ["--datum", "10,-4,0.5", "--datum-angle", "90"];
+    let ball = ["--set", "setup.datum=[{ x_mm = 30.0, y_mm = 7.0, z_mm = 6.0, radius_mm = 4.0 }]"];
+    let (same, from_datum, sheet, words) = made("datum", &[&datum[..], &ball].concat());
     assert!(plain == same, "the electrode is the same to the last byte");
     assert!(sheet.contains("Datum: given, at X 10.0000 Y -4.0000 Z 0.5000 of the mold's file."), "{sheet}");
     assert!(words.contains("work datum: given, at (10, -4, 0.5) of the file, turned by 90 deg"), "{words}");
+    // The ball is (20, 11, 5.5) away from the datum. Its sheet is the one that the command makes of the job.
+    assert!(!folder.path().join("plain/setup_sheet.txt").exists(), "without a datum");
+    let set_up = std::fs::read_to_string(folder.path().join("datum/setup_sheet.txt")).unwrap();
+    let line = set_up.lines().find_map(|line| line.trim_start().strip_prefix("in the axes of the job")).unwrap();
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>(), ["11.0000", "-20.0000", "5.5000"], "{set_up}");
+    let job = folder.path().join("datum/job.json");
+    let made_of_job = sparkpath(&["setup-sheet", job.to_str().unwrap(), "--ball", "30,7,6,4"]);
+    assert_eq!(text(&made_of_job.stdout).trim_end(), set_up.trim_end());
     let burns = |table: &serde_json::Value| table["electrodes"][0]["burns"].as_array().unwrap().clone();
     let figure = |burn: &serde_json::Value, key: &str| burn[key].as_f64().unwrap();
     assert_eq!(burns(&from_mesh).len(), 4);

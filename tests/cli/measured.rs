@@ -36,7 +36,7 @@ fn a_scan_is_fitted_and_judged() {
     let out = folder.path().join("out");
     let [nominal, scan] = box_and_scan(folder.path(), 0.0);
     let measured = |more: &[&str]| sparkpath(&[&["measured", &nominal, &scan, "--units", "mm"], more].concat());
-    let good = measured(&["--tolerance", "0.001", "--out", out.to_str().unwrap()]);
+    let good = measured(&["--tolerance", "0.001", "--no-pictures", "--out", out.to_str().unwrap()]);
     assert_eq!(good.status.code(), Some(0), "{} {}", text(&good.stdout), text(&good.stderr));
     assert!(text(&good.stdout).contains("X -0.20000"), "{}", text(&good.stdout));
     let read = |name: &str| std::fs::read(out.join(name)).unwrap();
@@ -44,6 +44,13 @@ fn a_scan_is_fitted_and_judged() {
     assert!(json["within"] == true && json["points"] == 19 * 19 * 6);
     assert_eq!(text(&read("deviations.csv")).lines().count(), 1 + 19 * 19 * 6);
     assert!(read("deviations.ply").starts_with(b"ply\nformat binary_little_endian"));
+    let page = String::from_utf8(read("measured.html")).unwrap();
+    for word in ["Scanned part: box.stl", "The part is within the tolerance", "The scan was moved by X ", "scan.csv"] {
+        assert!(page.contains(word), "{word}: {page}");
+    }
+    assert!(page.contains("Share of the points, %") && !page.contains("<img") && !page.contains("http"), "{page}");
+    let files = std::fs::read_dir(&out).unwrap().count();
+    assert_eq!(files, 5, "four files and the manifest");
     // Where it may not move along X, nor at all, the offset stays.
     for free in ["y,z", "none"] {
         let held = measured(&["--free", free, "--json"]);

@@ -1,8 +1,9 @@
 //! Technology tables in their window, and the finished part against its scan.
 
 use burning::technology::TECHNOLOGY_FILE;
-use egui::Key;
+use egui::{Key, Role};
 use import::write_stl;
+use mold::cutter::Cutter;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use task::State;
@@ -39,6 +40,67 @@ fn a_technology_table_is_copied_changed_and_used() {
     desk.key(Key::T);
     desk.settle();
     assert!(!desk.shows("Other table…"));
+}
+
+#[test]
+fn a_technology_table_that_one_workspace_changes_counts_in_the_other() {
+    let home = Home::new();
+    let own = home.path("own.toml");
+    let read = || TECHNOLOGY_FILE.read(&own).unwrap();
+    let mut table = burning::defaults::standard().unwrap();
+    let id = "steel-copper";
+    table.technology.retain(|technology| technology.id == id);
+    // One step for fronts of any size and for the spark gap of the mold: minutes rest on its rate alone.
+    let steps = &mut table.technology[0].step;
+    steps.retain(|step| step.name == "S1");
+    (steps[0].max_density_a_cm2, steps[0].gap_side_mm, steps[0].gap_front_mm) = (None, Some(0.05), Some(0.05));
+    TECHNOLOGY_FILE.write(&own, &table).unwrap();
+    let name = own.to_string_lossy().into_owned();
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), [1280, 720], 1.0);
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    let mut params = desk.mold().document.params().clone();
+    params.electrodes.technology.table.clone_from(&name);
+    params.electrodes.stages[0].last_step = table.technology[0].step[0].name.clone();
+    desk.mold_mut().edit(params);
+    desk.until_loaded();
+    desk.press("Create electrodes");
+    let minutes =
+        |desk: &crate::desk::Desk| desk.mold().electrodes.designed().and_then(|made| Some(made.set.minutes()?.mean));
+    desk.until("electrodes are made", |d| d.mold().design_state() == State::Ready && !d.mold().work.is_busy());
+    let why = |desk: &crate::desk::Desk| {
+        let made = desk.mold().electrodes.designed().unwrap();
+        made.report.table.electrodes.iter().flat_map(|e| e.rests_on.clone()).collect::<Vec<_>>().join("; ")
+    };
+    let before = minutes(&desk).unwrap_or_else(|| panic!("{}", why(&desk)));
+    // The window of the mold shows the table too, and is left open.
+    desk.key(Key::T);
+    desk.settle();
+
+    desk.press_role(Role::Tab, "Blisk workspace");
+    desk.until_idle();
+    let mut job = desk.blisk().document.params().clone();
+    job.technology.table.clone_from(&name);
+    job.technology.id = id.to_owned();
+    desk.blisk_mut().edit("Technology table", job, false);
+    desk.until_idle();
+    desk.key(Key::T);
+    let rate = 0.5 * read().technology[0].step[0].rate_mm3_min.unwrap();
+    desk.enter("Steps 1, Rate", &rate.to_string());
+    desk.until_idle();
+    assert_eq!(read().technology[0].step[0].rate_mm3_min, Some(rate));
+    let now = minutes(&desk).unwrap();
+    assert!(now > 1.5 * before, "half the rate takes longer: {before} {now}");
+
+    // The other way round. The mold's window has read what the blisk's wrote, and writes into that.
+    let edits = desk.blisk().work.technology_edits();
+    desk.press_role(Role::Tab, "Mold workspace");
+    desk.settle();
+    desk.enter("Steps 1, Wear", "0.5");
+    desk.settle();
+    let step = read().technology[0].step[0].clone();
+    assert_eq!((step.rate_mm3_min, step.wear_percent), (Some(rate), Some(0.5)));
+    assert_eq!(desk.blisk().work.technology_edits(), edits + 1);
+    assert!(!desk.shows("Not written"));
 }
 
 #[test]

@@ -22,6 +22,7 @@ use sparkpath::workspaces::commands::{CommandSet as _, Commanded as _};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource};
 use sparkpath::workspaces::mold::commands::MoldCommand;
 use sparkpath::workspaces::mold::scene::electrodes::BurnOf;
+use sparkpath::workspaces::setup::DatumRow;
 use task::State;
 
 use crate::desk::{Desk, Home};
@@ -98,6 +99,12 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     std::fs::write(&mine, "{% for e in electrodes %}BURN {{ e.name }}\n{% endfor %}").unwrap();
     desk.mold_mut().electrodes.sheet = BurnSheet::read(&mine).unwrap();
 
+    // What the machine touches changes no electrode.
+    let mut params = desk.mold().document.params().clone();
+    params.setup.datum = vec![DatumRow { x_mm: 1.0, y_mm: 2.0, z_mm: 3.0, radius_mm: None }];
+    desk.mold_mut().edit(params);
+    assert_eq!(desk.mold().design_state(), State::Ready);
+
     let folder = home.path("out");
     desk.key_with(Modifiers::COMMAND, Key::E);
     desk.type_path(&folder);
@@ -107,7 +114,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     for name in &passes {
         assert!(folder.join(format!("{name}.stl")).exists() || crate::desk::holds(&folder, ".stl"), "{name}");
     }
-    for file in ["burn_table.csv", "burn_table.json", "burn_sheet.txt", "report.html"] {
+    for file in ["burn_table.csv", "burn_table.json", "burn_sheet.txt", "setup_sheet.txt", "report.html"] {
         assert!(folder.join(file).exists(), "{file}; {:?}", desk.log());
     }
 
@@ -244,6 +251,20 @@ impl Desk {
         self.settle();
         self.key(Key::Enter);
     }
+}
+
+#[test]
+fn datums_of_the_set_up_sheet_are_rows_of_the_form() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::In("mold", None));
+    desk.until_loaded();
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    desk.press_role(Role::DisclosureTriangle, "Set-up sheet");
+    desk.press("Add to Datums");
+    desk.enter("Datums 1, X", "12.5");
+    let row = DatumRow { x_mm: 12.5, y_mm: 0.0, z_mm: 0.0, radius_mm: Some(10.0) };
+    assert_eq!(desk.mold().document.params().setup.datum, [row]);
+    assert_eq!(desk.mold().document.undo_label(false), Some("Datums 1, X"));
 }
 
 #[test]

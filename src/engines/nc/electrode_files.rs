@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::burn_table::BurnTable;
 use crate::measuring_points::{MeasuringPoint, measuring_points};
+use crate::setup_sheet::SetUpError;
 use crate::step_files::{WrittenStep, count, length, text, written_step};
 use files::{ExportFolder, FileError};
 use geometry::mesh::unit_normal;
@@ -176,6 +177,9 @@ pub enum ElectrodeExportError {
     /// The figures have no JSON.
     #[error("the burn table as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// There is no set-up sheet.
+    #[error("set-up sheet: {0}; correct the datums, or take them away")]
+    SetUp(#[from] SetUpError),
     /// The report has no page.
     #[error(transparent)]
     Page(#[from] files::report::PageError),

@@ -351,8 +351,8 @@ impl SparkpathApp {
                     }
                     Request::Recovered(copy) => self.recovered(i, &copy),
                     Request::Send(message) => {
-                        let all = 0..self.workspaces.len();
-                        all.into_iter().any(|i| self.with(i, |workspace, cx| workspace.receive(&message, cx)));
+                        let mut others = (0..self.workspaces.len()).filter(|other| *other != i);
+                        others.any(|i| self.with(i, |workspace, cx| workspace.receive(&message, cx)));
                     }
                 }
             }

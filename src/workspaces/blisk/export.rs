@@ -11,6 +11,7 @@ use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
 use crate::workspaces::blisk::report::residual_stock::map_as_ply;
 use crate::workspaces::blisk::report::{FeedLowered, InputFile, Report, ReportError, Written};
+use crate::workspaces::setup::SETUP_SHEET_FILE;
 use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
@@ -160,7 +161,7 @@ pub fn write(
             Ok(sheet) => texts.push((JOB_SHEET_FILE, sheet)),
             Err(error) => no_job_sheet = Some(error.to_string()),
         }
-        if let Some(set_up) = inputs.job.setup.set_up() {
+        if let Some(set_up) = inputs.job.setup.sheet.set_up() {
             texts.push((SETUP_SHEET_FILE, setup_sheet(&job, &set_up)?));
         }
         files.extend(texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())));
@@ -233,8 +234,6 @@ const RESIDUAL_STOCK_FILE: &str = "leftover.ply";
 /// The schedule of the wheel.
 const SCHEDULE_FILE: &str = "schedule.csv";
 
-/// Datums and measuring points for who sets up.
-const SETUP_SHEET_FILE: &str = "setup_sheet.txt";
 /// The measured points with their deviations.
 const SECTIONS_FILE: &str = "section_deviations.csv";
 

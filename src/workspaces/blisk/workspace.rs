@@ -535,6 +535,14 @@ impl Workspace for BliskWorkspace {
         false
     }
 
+    fn receive(&mut self, message: &Message, _cx: &mut Context) -> bool {
+        let Message::TechnologyTable(table) = message else { return false };
+        if self.technology.is_changed(&self.desk.document.params().technology, table) {
+            self.desk.work.recompute_burning();
+        }
+        false
+    }
+
     fn standing(&self, line: &LogLine) -> Standing {
         let stage = Stage::ALL.into_iter().find(|stage| Some(stage.number()) == line.topic);
         let state = |stage| self.desk.work.state(stage);

@@ -425,7 +425,7 @@ impl Workspace for FlankWorkspace {
     }
 
     fn receive(&mut self, message: &Message, cx: &mut Context) -> bool {
-        let Message::MillFlanks(part) = message;
+        let Message::MillFlanks(part) = message else { return false };
         self.opening.intend(Pending::Electrode(part.clone()), cx);
         true
     }

@@ -6,6 +6,7 @@ use crate::workspaces::mold::job::uncut::{ClassedRun, Uncut};
 use crate::workspaces::mold::report::segments::{ClassTotal, segments_as_csv};
 use crate::workspaces::mold::report::uncut::{UncutPage, UncutReport, surface_as_ply};
 use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
+use crate::workspaces::setup::SETUP_SHEET_FILE;
 use files::report::PageError;
 use files::{ExportFolder, FileError, Published};
 use import::ImportReport;
@@ -16,6 +17,7 @@ use nc::electrode_files::{
 };
 use nc::job_file::{FileEntry, JobFile, JobTechnology};
 use nc::measuring_points::measuring_csv;
+use nc::setup_sheet::{SetUp, setup_sheet};
 use nc::template::BurnSheet;
 use task::Task;
 
@@ -94,26 +96,36 @@ impl UncutFiles<'_> {
     }
 }
 
-/// Writes and publishes the electrodes that may be exported in all `formats`, `burn_table.csv` and `.json`, the burn
-/// sheet, and the report with its pictures. Electrode files of earlier exports do not stay under their names. A sheet
-/// that cannot be made of this table takes nothing else with it: why is told in what was written.
+/// The forms in which electrodes are written.
+#[derive(Debug, Clone)]
+pub struct ElectrodeForms {
+    /// Formats of the electrode files.
+    pub formats: Vec<ElectrodeFormat>,
+    /// Template of the burn sheet.
+    pub burn_sheet: BurnSheet,
+    /// Settings of the set-up sheet; none where there is none.
+    pub set_up: Option<SetUp>,
+}
+
+/// Writes and publishes the electrodes that may be exported in all formats, `burn_table.csv` and `.json`, the burn
+/// sheet, the set-up sheet, and the report with its pictures. Electrode files of earlier exports do not stay under their
+/// names. A burn sheet that cannot be made of this table takes nothing else with it: why is told in what was written.
 ///
 /// # Errors
 /// [`ElectrodeExportError`]; then nothing was written.
 pub fn export_electrodes(
     folder: ExportFolder,
     (set, report): (&ElectrodeSet, &ElectrodesReport),
-    sheet: &BurnSheet,
+    forms: &ElectrodeForms,
     page: &ElectrodesPage,
-    formats: &[ElectrodeFormat],
     task: &Task,
 ) -> Result<(WrittenElectrodes, Published), ElectrodeExportError> {
     let mut folder =
         folder.setting_aside(|path| path.file_name().and_then(|n| n.to_str()).is_some_and(is_electrode_file));
-    let mut written = write_electrode_files(&mut folder, (set, &report.table), formats, task)?;
+    let mut written = write_electrode_files(&mut folder, (set, &report.table), &forms.formats, task)?;
     folder.write("burn_table.csv", report.table.csv().as_bytes())?;
     folder.write("burn_table.json", report.table.json()?.as_bytes())?;
-    match sheet.of(&report.table) {
+    match forms.burn_sheet.of(&report.table) {
         Ok(text) => drop(folder.write("burn_sheet.txt", text.as_bytes())?),
         Err(error) => written.no_sheet = Some(error.to_string()),
     }
@@ -122,6 +134,9 @@ pub fn export_electrodes(
     folder.write("measuring_points.csv", measuring_csv(points).as_bytes())?;
     for (name, text) in [("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())] {
         folder.write(name, text.as_bytes())?;
+    }
+    if let Some(set_up) = &forms.set_up {
+        folder.write(SETUP_SHEET_FILE, setup_sheet(&job, set_up)?.as_bytes())?;
     }
     folder.write("electrodes.json", report.json()?.as_bytes())?;
     folder.write("report.html", report.html(page)?.as_bytes())?;
@@ -162,6 +177,7 @@ fn job_file(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspaces::setup::{DatumRow, SetUpSheet};
     use geometry::mesh::Mesh;
     use mold::datum::Datum;
     use mold::opening::Opening;
@@ -172,6 +188,56 @@ mod tests {
             std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
+    }
+
+    fn exported(
+        folder: ExportFolder,
+        of: (&ElectrodeSet, &ElectrodesReport),
+        format: ElectrodeFormat,
+        set_up: Option<SetUp>,
+    ) -> Result<(WrittenElectrodes, Published), ElectrodeExportError> {
+        let forms = ElectrodeForms { formats: vec![format], burn_sheet: BurnSheet::standard(), set_up };
+        export_electrodes(folder, of, &forms, &ElectrodesPage::default(), &Task::default())
+    }
+
+    /// The work datum lies at (10, -4, 0.5) of the file with X along the file's Z: a quarter turn about an opening along +X,
+    /// above which X of the upright mold is the file's Y, and Y its Z. The ball is (20, 11, 5.5) away from there.
+    #[test]
+    fn the_set_up_sheet_tells_a_ball_in_the_axes_of_the_work_datum() {
+        let folder = tempfile::tempdir().unwrap();
+        let (out, set) = (folder.path().join("out"), set());
+        let datum = Datum { origin_mm: glam::DVec3::new(10.0, -4.0, 0.5), angle_deg: 90.0, name: "corner".to_owned() };
+        let report = ElectrodesReport::of(&set, "shell", Opening::PlusX, &datum, true);
+        let written = |sheet: &SetUpSheet| {
+            let opened = ExportFolder::open(&out, EXPORT).unwrap();
+            exported(opened, (&set, &report), ElectrodeFormat::Stl, sheet.set_up()).unwrap();
+            std::fs::read_to_string(out.join(SETUP_SHEET_FILE)).ok()
+        };
+        let ball = DatumRow { x_mm: 30.0, y_mm: 7.0, z_mm: 6.0004, radius_mm: Some(4.0) };
+        let asked =
+            SetUpSheet { datum: vec![ball], round_mm: Some(0.001), a_axis_mm: Some([0.0, -10.0]), a_deg: [0.0, 90.0] };
+        let sheet = written(&asked).unwrap();
+        let numbers = |what: &str| -> Vec<f64> {
+            let line = sheet
+                .lines()
+                .find_map(|line| line.trim_start().strip_prefix(what))
+                .unwrap_or_else(|| panic!("{sheet}"));
+            line.split_whitespace().map(|word| word.parse().unwrap()).collect()
+        };
+        assert!(sheet.starts_with("SET-UP SHEET  shell\nAxes: corner, Z out of the opening."), "{sheet}");
+        assert_eq!(numbers("in the workpiece's file"), [30.0, 7.0, 6.0004]);
+        assert_eq!(numbers("in the axes of the job"), [5.5004, -11.0, 20.0]);
+        assert_eq!(numbers("its top along Z"), [5.5004, -11.0, 24.0]);
+        assert_eq!(numbers("the same, rounded"), [-5.5, 11.0, -20.0]);
+        assert_eq!(numbers("which moves the workpiece"), [-0.0004, 0.0, 0.0]);
+        // The table turns against A: about Y 0, Z -10 from (-11, 20) to (30, 1).
+        assert_eq!(numbers("ball 1 at A 90.0000"), [5.5004, 30.0, 1.0]);
+        // The job beside it gives the command line the same sheet.
+        let job = JobFile::read(&out.join("job.json")).unwrap();
+        assert_eq!(setup_sheet(&job, &asked.set_up().unwrap()).unwrap(), sheet);
+        assert!(sheet.contains("\nE1  E01: to measure on its holder"), "{sheet}");
+        // Without a datum there is none, and that of the former export goes.
+        assert_eq!(written(&SetUpSheet::default()), None);
     }
 
     #[test]
@@ -185,15 +251,7 @@ mod tests {
         std::fs::write(out.join("E04_finish_g0.05_Cu-soft_x1.stl"), "of an earlier plan").unwrap();
         let opened = ExportFolder::open(&out, EXPORT).unwrap();
         std::fs::write(out.join("burn_table.csv"), "old").unwrap();
-        let (_, published) = export_electrodes(
-            opened,
-            (&set, &report),
-            &BurnSheet::standard(),
-            &ElectrodesPage::default(),
-            &[ElectrodeFormat::Stl],
-            &Task::default(),
-        )
-        .unwrap();
+        let (_, published) = exported(opened, (&set, &report), ElectrodeFormat::Stl, None).unwrap();
         let renamed =
             "E04_finish_g0.05_Cu-soft_x1.stl of an earlier export is now called E04_finish_g0.05_Cu-soft_x1.stl.old";
         assert_eq!(published.notes(), [renamed]);
@@ -227,14 +285,7 @@ mod tests {
         let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ, &Datum::default(), true);
         let tried = |set: &ElectrodeSet| {
             let opened = ExportFolder::open(&out, EXPORT).unwrap();
-            export_electrodes(
-                opened,
-                (set, &report),
-                &BurnSheet::standard(),
-                &ElectrodesPage::default(),
-                &[ElectrodeFormat::Glb],
-                &Task::default(),
-            )
+            exported(opened, (set, &report), ElectrodeFormat::Glb, None)
         };
         assert!(tried(&broken).unwrap_err().to_string().contains("E02-finish as glb"));
         assert!(!folder.path().join("a").exists(), "folders made for nothing go again");

@@ -431,6 +431,14 @@ impl Workspace for MoldWorkspace {
         }
     }
 
+    fn receive(&mut self, message: &Message, _cx: &mut Context) -> bool {
+        let Message::TechnologyTable(table) = message else { return false };
+        if self.technology.is_changed(&self.desk.params().electrodes.technology, table) {
+            self.desk.work.recompute_burning();
+        }
+        false
+    }
+
     fn take_user_files(&mut self, folder: &Path, cx: &mut Context) {
         self.desk.work.results.clone_from(&cx.results);
         for wrong in self.desk.take_user_files(folder) {

@@ -11,12 +11,13 @@ use burning::technology::{TECHNOLOGY_FILE, Technology, TechnologyFile};
 use egui::{RichText, ScrollArea, Ui};
 use files::{FileError, History, Invalid, Validate, write_bytes};
 
-use super::fields::FIELDS;
-use super::{plots, read_table};
+use super::fields::{FIELDS, tidied};
+use super::{is_table, plots, read_table};
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::{file_name, notice};
 use crate::widgets::theme::palette;
-use crate::workspaces::context::{Context, PathSet};
+use crate::workspaces::context::{Context, PathSet, Request};
+use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 
 /// Ending that is added to the name of a file for the copy of it as it was when it was opened.
@@ -91,7 +92,12 @@ impl TechnologyWindow {
             Wish::Copy => cx.ask(copy, COPY_NAME),
             Wish::Close => self.close(),
             Wish::ReadAgain => self.editor = None,
-            Wish::Take(change) => return Some(change),
+            Wish::Take(change) => {
+                if project.is_file() {
+                    cx.request(Request::Send(Message::TechnologyTable(PathBuf::from(&project.table))));
+                }
+                return Some(change);
+            }
         }
         None
     }
@@ -101,8 +107,21 @@ impl TechnologyWindow {
         let Some(editor) = &self.editor else { return false };
         let written = TECHNOLOGY_FILE.write(path, &editor.table);
         let is_written = written.is_ok();
-        written.unwrap_or_else(|error| cx.error("The technology table was not written", error.to_string()));
+        match written {
+            Ok(()) => cx.request(Request::Send(Message::TechnologyTable(path.to_owned()))),
+            Err(error) => cx.error("The technology table was not written", error.to_string()),
+        }
         is_written
+    }
+
+    /// Takes the news that the file `table` was changed elsewhere. Returns whether it is the table of `project`, which is then
+    /// read again where it is shown. Changes that could not be written stay.
+    pub fn is_changed(&mut self, project: &ProjectTechnology, table: &Path) -> bool {
+        let is_own = is_table(project, table);
+        if is_own {
+            self.editor.take_if(|editor| editor.unwritten.is_none());
+        }
+        is_own
     }
 }
 
@@ -432,20 +451,6 @@ fn in_words(table: &TechnologyFile, problem: &Invalid) -> String {
     let Some((technology, rest)) = found else { return FIELDS.in_window(problem) };
     let of_one = Invalid { key: format!("technology[0]{rest}"), ..problem.clone() };
     format!("{}: {}", technology.label(), FIELDS.in_window(&of_one))
-}
-
-/// Empty texts are none.
-fn tidied(mut table: TechnologyFile) -> TechnologyFile {
-    let tidy = |text: &mut Option<String>| drop(text.take_if(|text| text.trim().is_empty()));
-    for technology in &mut table.technology {
-        let Technology { machine, generator, licence, date, electrode_grade, dielectric, flushing, .. } = technology;
-        [machine, generator, licence, date, electrode_grade, dielectric, flushing].into_iter().for_each(tidy);
-        technology.step.iter_mut().for_each(|step| tidy(&mut step.vendor_code));
-    }
-    for burn in &mut table.calibration {
-        [&mut burn.date, &mut burn.source].into_iter().for_each(tidy);
-    }
-    table
 }
 
 /// By what finished burns scale the estimates of a technology.

@@ -1,6 +1,6 @@
 //! Fields of a technology table in a form: those of one technology, its steps, and its finished burns.
 
-use burning::technology::TechnologyFile;
+use burning::technology::{Technology, TechnologyFile};
 use files::{Field, FieldTable, Group, Word, word};
 
 /// The fields of a table that holds one technology. Nothing is a default in it.
@@ -145,6 +145,20 @@ const BURNS: Field = Field::rows(
     "{ technology = \"\", estimated_min = 60.0, measured_min = 60.0 }",
 )
 .help("Estimates are scaled by the ratio of measured to estimated minutes.");
+
+/// Empty texts are none.
+pub(super) fn tidied(mut table: TechnologyFile) -> TechnologyFile {
+    let tidy = |text: &mut Option<String>| drop(text.take_if(|text| text.trim().is_empty()));
+    for technology in &mut table.technology {
+        let Technology { machine, generator, licence, date, electrode_grade, dielectric, flushing, .. } = technology;
+        [machine, generator, licence, date, electrode_grade, dielectric, flushing].into_iter().for_each(tidy);
+        technology.step.iter_mut().for_each(|step| tidy(&mut step.vendor_code));
+    }
+    for burn in &mut table.calibration {
+        [&mut burn.date, &mut burn.source].into_iter().for_each(tidy);
+    }
+    table
+}
 
 #[cfg(test)]
 mod tests {

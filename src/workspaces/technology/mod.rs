@@ -59,6 +59,12 @@ pub fn read_table(project: &ProjectTechnology) -> Result<TechnologyFile, FileErr
     if project.is_file() { TECHNOLOGY_FILE.read(Path::new(&project.table)) } else { defaults::standard() }
 }
 
+/// Whether the table of a project is the file `table`, however its path is written.
+fn is_table(project: &ProjectTechnology, table: &Path) -> bool {
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    project.is_file() && whole(Path::new(&project.table)) == whole(table)
+}
+
 /// Takes the first technology of `table`, unless it has the one of the project.
 pub fn take_first_unless_known(project: &mut ProjectTechnology, table: &TechnologyFile) {
     if let (None, Some(first)) = (table.get(&project.id), table.technology.first()) {
@@ -82,6 +88,10 @@ mod tests {
             TechnologyFile { technology: defaults::standard().unwrap().technology[..1].to_vec(), ..Default::default() };
         TECHNOLOGY_FILE.write(&file, &table).unwrap();
         assert_eq!(read_table(&project).unwrap(), table);
+        std::fs::create_dir(folder.path().join("sub")).unwrap();
+        assert!(is_table(&project, &folder.path().join("sub/../own.toml")));
+        assert!(!is_table(&project, &folder.path().join("other.toml")));
+        assert!(!is_table(&ProjectTechnology::default(), Path::new(burning::project::BUILT_IN)));
         project.id = "none".to_owned();
         take_first_unless_known(&mut project, &table);
         assert_eq!(project.id, table.technology[0].id);

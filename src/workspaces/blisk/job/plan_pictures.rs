@@ -55,6 +55,15 @@ fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<P
     pictures.into_iter().zip(drawn).map(|(picture, png)| Ok(finished(picture, png?))).collect()
 }
 
+/// One picture, drawn.
+///
+/// # Errors
+/// [`RenderError`], if nothing can be drawn here, or the task is cancelled.
+pub fn drawn(picture: PlanPicture, task: &Task) -> Result<Picture, RenderError> {
+    let png = Offscreen::new()?.png(&picture.scene, &picture.camera, PICTURE_SIZE, &task.cancel)?;
+    Ok(finished(picture, png))
+}
+
 fn finished(picture: PlanPicture, png: Vec<u8>) -> Picture {
     let legend = picture.legend.into_iter();
     Picture {

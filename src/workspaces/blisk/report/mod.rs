@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod design;
 #[cfg(test)]
 pub mod fixtures;
+pub mod measured;
 mod page;
 pub mod residual_stock;
 pub mod simulation;

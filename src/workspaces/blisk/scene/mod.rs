@@ -5,6 +5,7 @@ pub mod machine;
 pub mod passage;
 pub mod pictures;
 pub mod residual_stock;
+pub mod scan;
 pub mod shapes;
 pub mod surfaces;
 pub mod sweep;

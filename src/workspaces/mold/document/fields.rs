@@ -1,6 +1,7 @@
 //! Every parameter of a mold. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
 use super::MoldParams;
+use crate::workspaces::setup::SETUP_SHEET_FIELDS;
 use crate::workspaces::technology::technology_fields;
 use files::{Field, FieldTable, Group, Variant, When, Word, word};
 use import::Units;
@@ -282,6 +283,7 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         is_folded: true,
         fields: technology_fields!("electrodes.technology"),
     },
+    Group { section: "Electrodes", name: "Set-up sheet", is_folded: true, fields: SETUP_SHEET_FIELDS },
 ]);
 
 /// Name of the step from `before` to `now`, for undo.

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
 use crate::workspaces::mold::job::uncut::UncutParams;
+use crate::workspaces::setup::SetUpSheet;
 use files::{Invalid, Params, Validate};
 use import::{Imported, Reading, SolidReport, Units};
 use mold::cutter::CutterLibrary;
@@ -50,6 +51,8 @@ pub struct MoldParams {
     pub grid_step_mm: Option<f64>,
     /// Work datum, to which positions of burns refer.
     pub datum: Datum,
+    /// Settings of the set-up sheet.
+    pub setup: SetUpSheet,
     /// Settings of the layers.
     pub layers: LayerSettings,
     /// The cutters.
@@ -69,6 +72,7 @@ impl Default for MoldParams {
             part: None,
             opening: None,
             datum: Datum::default(),
+            setup: SetUpSheet::default(),
             tolerance_mm: 0.02,
             grid_step_mm: None,
             layers: LayerSettings::default(),
@@ -95,6 +99,7 @@ impl Validate for MoldParams {
     fn validate(&self) -> Result<(), Invalid> {
         fields::FIELDS.check(self)?;
         self.datum.validate().map_err(|problem| problem.within("datum"))?;
+        self.setup.validate().map_err(|problem| problem.within("setup"))?;
         Validate::validate(&self.library).map_err(|problem| problem.within("library"))?;
         self.layers.validate().map_err(|problem| problem.within("layers"))?;
         if let Some(step) = self.grid_step_mm {
@@ -152,12 +157,12 @@ impl MoldParams {
         }
     }
 
-    /// The parameters without decisions for one part: opening direction, work datum, division and burn directions of
-    /// regions, overrides, and names of electrodes.
+    /// The parameters without decisions for one part: opening direction, work datum, datums of the set-up sheet, division
+    /// and burn directions of regions, overrides, and names of electrodes.
     pub fn undecided(&self) -> Self {
         let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());
         let electrodes = ElectrodeParams { edits, overrides, names, ..self.electrodes.clone() };
-        Self { opening: None, datum: Datum::default(), electrodes, ..self.clone() }
+        Self { opening: None, datum: Datum::default(), setup: self.setup.of_any_part(), electrodes, ..self.clone() }
     }
 
     /// Decisions of `before` that these parameters no longer have, because the part is another one, in words; none
@@ -171,7 +176,9 @@ impl MoldParams {
             dropped.push(format!("work datum {}", before.datum.label()));
         }
         let (own, former) = (&self.electrodes, &before.electrodes);
+        let datums = &self.setup.datum;
         let lists = [
+            (before.setup.datum.iter().filter(|row| !datums.contains(row)).count(), "datum of the set-up sheet"),
             (former.edits.iter().filter(|edit| !own.edits.contains(edit)).count(), "change of divisions and burns"),
             (former.overrides.iter().filter(|one| !own.overrides.contains(one)).count(), "override"),
             (former.names.iter().filter(|name| !own.names.contains(name)).count(), "name of electrodes"),
@@ -245,6 +252,7 @@ pub fn part_of(imported: &Imported) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspaces::setup::DatumRow;
     use files::Document;
     use mold::cutter::Cutter;
     use mold::electrode::params::Edit;
@@ -257,6 +265,8 @@ mod tests {
         let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
         (params.opening, params.tolerance_mm) = (Opening::along(glam::DVec3::ONE), 0.05);
         params.datum = Datum::default().at(glam::DVec3::new(1.0, -2.5, 0.125), "corner");
+        params.setup.datum = vec![DatumRow { x_mm: 0.1, y_mm: -2.0, z_mm: 1e-7, radius_mm: Some(10.0) }];
+        (params.setup.round_mm, params.setup.a_axis_mm) = (Some(0.01), Some([0.0, -50.0]));
         params.electrodes.edits.push(Edit::Split { line: [glam::DVec3::X, glam::DVec3::Y] });
         params.electrodes.overrides.push("E01:gouge".parse().unwrap());
         params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });
@@ -283,6 +293,9 @@ mod tests {
             ("tolerance_mm = nan", "tolerance_mm is nan"),
             ("opening = \"up\"", "line 2: opening: expected auto, +x"),
             ("[datum]\nangle_deg = 400", "line 3: datum.angle_deg is 400"),
+            ("[setup]\npresets = \"own.csv\"", "line 3: setup.presets: unknown field"),
+            ("[[setup.datum]]\nx_mm = 1\ny_mm = 2\nz_mm = 3\nradius_mm = 0", "line 6: setup.datum[0].radius_mm is 0"),
+            ("[setup]\na_axis_mm = [0, 5]", "line 3: setup.a_axis_mm: a table is checked with a ball"),
             ("[[library.cutter]]\ndiameter_mm = 0", "line 3: library.cutter[0].diameter_mm is 0"),
             ("library = {}", "no cutter"),
             ("tolerance = 1", "unknown field"),
@@ -292,6 +305,15 @@ mod tests {
             let said = Document::<MoldParams>::open(&file).unwrap_err().to_string();
             assert!(said.contains("wrong.sparkpath") && said.contains(words), "{text}: {said}");
         }
+        // What the machine touches on one part is not there on another one.
+        let row = DatumRow { x_mm: 1.0, y_mm: 2.0, z_mm: 3.0, radius_mm: Some(4.0) };
+        let setup =
+            SetUpSheet { datum: vec![row], round_mm: Some(0.01), a_axis_mm: Some([0.0, 5.0]), ..SetUpSheet::default() };
+        let before = MoldParams { part: Some("one".to_owned()), setup, ..MoldParams::default() };
+        let now = before.of_part("other");
+        assert_eq!(now.setup, SetUpSheet { round_mm: Some(0.01), ..SetUpSheet::default() });
+        assert!(now.validate().is_ok() && before.of_part("one") == before);
+        assert!(now.dropped(&before).unwrap().contains("dropped: 1 datum of the set-up sheet; choose"));
         let broken = MoldParams { tolerance_mm: 0.0, ..MoldParams::default() };
         assert!(Document::new(broken).export(&file).is_err());
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::design::Designed;
 use super::steps::LoadedMold;
 use super::uncut_export::drawn;
-use crate::workspaces::mold::export::{EXPORT, export_electrodes};
+use crate::workspaces::mold::export::{EXPORT, ElectrodeForms, export_electrodes};
 use crate::workspaces::mold::job::divisions::WayResult;
 use crate::workspaces::mold::report::steps::steps;
 use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
@@ -14,8 +14,7 @@ use files::ExportFolder;
 use mold::datum::Datum;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::design::IdleOverride;
-use nc::electrode_files::{ElectrodeFormat, LeftOut};
-use nc::template::BurnSheet;
+use nc::electrode_files::LeftOut;
 use task::Task;
 
 /// Result of an export.
@@ -64,7 +63,7 @@ pub(super) fn export(
     folder: &Path,
     (set, designed, divisions): (&ElectrodeSet, &Designed, Option<&Vec<WayResult>>),
     (mold, datum): (&LoadedMold, &Datum),
-    (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
+    forms: &ElectrodeForms,
     task: &Task,
 ) -> Result<Exported, String> {
     let opened = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?;
@@ -76,7 +75,7 @@ pub(super) fn export(
     task.check().map_err(|e| e.to_string())?;
     let page = ElectrodesPage { times: &steps(&designed.times), pictures: &pictures };
     let (written, published) =
-        export_electrodes(opened, (set, &report), sheet, &page, formats, task).map_err(|e| e.to_string())?;
+        export_electrodes(opened, (set, &report), forms, &page, task).map_err(|e| e.to_string())?;
     let idle = set.idle_overrides(&set.params.overrides).into_iter();
     let lapsed = idle.filter(|(_, why)| matches!(why, IdleOverride::Lapsed(_)));
     let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {why}")).collect();

@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
+use crate::workspaces::mold::export::ElectrodeForms;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::job::divisions::{WayResult, compare_divisions};
 use crate::workspaces::mold::job::electrodes::timed;
@@ -533,7 +534,9 @@ impl MoldWork {
         let (Some(made), Ok((question, mold))) = (made, self.asked(params)) else {
             return Err("the electrodes are out of date: create them again".to_owned());
         };
-        let (folder, formats, sheet) = (folder.to_owned(), formats.to_vec(), sheet.clone());
+        let (formats, burn_sheet) = (formats.to_vec(), sheet.clone());
+        let (folder, forms) =
+            (folder.to_owned(), ElectrodeForms { formats, burn_sheet, set_up: params.setup.set_up() });
         let datum = params.datum.clone();
         // Which of them are let pass, and what they are called, may have changed since they were made.
         let asked = ElectrodeParams { names: Vec::new(), ..params.electrodes.clone() };
@@ -557,7 +560,7 @@ impl MoldWork {
             let made = proof.as_ref().map_or(&made, |(_, _, proven)| proven);
             let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
             let all = (&set, &**made, divisions.as_deref());
-            let exported = export(&folder, all, (&mold, &datum), (&formats, &sheet), &work.task)?;
+            let exported = export(&folder, all, (&mold, &datum), &forms, &work.task)?;
             Ok((exported, proof))
         });
         Ok(())

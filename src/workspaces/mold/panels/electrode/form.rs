@@ -31,6 +31,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
     folded(ui, "Holders", |ui| holders(ui, &mut form, &desk.electrodes.holders));
     folded(ui, "Cutters for electrodes", |ui| own_cutters(ui, &mut form));
     form.group(ui, "Burning times");
+    form.group(ui, "Set-up sheet");
     // Which meet nothing is known of what was made with them.
     let made = desk.electrodes.designed().filter(|made| made.set.params.edits == form.params().electrodes.edits);
     edits(ui, &mut form, &made.map_or_else(Vec::new, |made| made.set.unmet_edits()));
