@@ -10,7 +10,7 @@ use crate::duration::{BurnTime, Spread, StepTime};
 use crate::estimate::Estimate;
 use crate::project::ProjectTechnology;
 use crate::technology::{Technology, TechnologyFile};
-use crate::wear::{AllowedWear, WearShare};
+use crate::wear::{AllowedWear, Redress, Redressing, Wear, WearShare};
 
 /// Beginning of the line of [`BurnFigures::explanation`] that says what the figures leave out.
 pub const NOT_CONSIDERED: &str = "Not considered: ";
@@ -33,6 +33,9 @@ pub struct BurnFigures {
     pub corner_wear_mm: Option<f64>,
     /// Share of the allowed wear that the burn uses up.
     pub wear_share: WearShare,
+    /// Redressing of the electrode.
+    #[serde(default, skip_serializing_if = "Redress::is_none")]
+    pub redress: Redress,
     /// Foundation of the figures, in a sentence; none without a technology.
     pub rests_on: Option<String>,
     /// Reasons why the minutes are not known.
@@ -48,6 +51,7 @@ impl BurnFigures {
         let of_burn = Self {
             volume_mm3: Some(burn.volume_mm3()),
             frontal_area_mm2: (least <= greatest).then_some([least, greatest]),
+            redress: project.redress,
             rests_on: table.get(&project.id).map(|technology| {
                 format!("{} ({}): {}", technology.label(), technology.basis, technology.source.trim())
             }),
@@ -119,6 +123,7 @@ impl BurnFigures {
             end_wear_mm: sum(self.end_wear_mm, other.end_wear_mm),
             corner_wear_mm: sum(self.corner_wear_mm, other.corner_wear_mm),
             wear_share,
+            redress: if self.redress.is_none() { other.redress } else { self.redress },
             rests_on: self.rests_on.or_else(|| other.rests_on.clone()),
             missing: joined(self.missing, &other.missing),
             not_considered: joined(self.not_considered, &other.not_considered),
@@ -172,7 +177,31 @@ impl BurnFigures {
         match (self.is_wear_known(), self.wear_share) {
             (false, _) => format!("at least {copies}: wear not considered"),
             (true, WearShare::Unlimited) => format!("{copies}: no wear is limited"),
-            (true, _) => copies.to_string(),
+            (true, _) => copies.to_string() + &self.redressed_text(copies),
+        }
+    }
+
+    /// Redressing of an electrode that is worn as far as is allowed; none if that is not known, or of an electrode that is not
+    /// redressed or that the burns do not wear out.
+    pub fn redressing(&self) -> Option<Redressing> {
+        let WearShare::Known(share) = self.wear_share else { return None };
+        let worn_out = |wear: Option<f64>| wear.filter(|_| share > 0.0).map(|wear| wear / share);
+        let [end_mm, corner_mm] = [self.end_wear_mm, self.corner_wear_mm].map(worn_out);
+        self.redress.after(&Wear { end_mm, corner_mm, missing: Vec::new() }).ok().flatten()
+    }
+
+    /// How many are made where `copies` are used, in words; empty where none is redressed.
+    fn redressed_text(&self, copies: usize) -> String {
+        match self.redressing() {
+            _ if self.redress.is_none() => String::new(),
+            None => "; redressing not considered: end or corner wear is not known".to_owned(),
+            Some(Redressing { times: 0, cut_off_mm, .. }) => {
+                format!("; too short to lose {cut_off_mm:.3} mm for a redressing")
+            }
+            Some(redressing) => {
+                let (made, times) = (redressing.electrodes_for(copies), redressing.times);
+                format!(" uses of {made} made, redressed up to {times} times by {:.3} mm", redressing.cut_off_mm)
+            }
         }
     }
 
@@ -246,6 +275,7 @@ mod tests {
     use crate::choice::Until;
     use crate::choice::tests::{burn, complete};
     use crate::technology::Calibration;
+    use files::Validate as _;
 
     fn table() -> TechnologyFile {
         TechnologyFile { technology: vec![complete()], calibration: Vec::new() }
@@ -273,6 +303,31 @@ mod tests {
         let figures = BurnFigures::of(&table(), &limited, &asked);
         assert_eq!(figures.needed_text(3), "3");
         assert!((figures.wear_share.at_least() - 0.1135 / 0.05).abs() < 1e-9);
+    }
+
+    /// An end wear of 0.1135 mm of 0.05 mm allowed: 2.27 electrodes, each worn by 0.05 mm and 0.0600 / 2.27 mm at its edges.
+    #[test]
+    fn worn_electrodes_are_redressed_as_often_as_their_length_allows() {
+        let redress = Redress { length_mm: Some(12.0), least_length_mm: Some(11.5), allowance_mm: Some(0.1) };
+        let allowed_wear = AllowedWear { end_mm: Some(0.05), corner_mm: None };
+        let with = |redress| {
+            let project = ProjectTechnology { allowed_wear, redress, ..project() };
+            BurnFigures::of(&table(), &project, &burn(1000.0, 100.0, Until::Vdi(20.0)))
+        };
+        let cut_off = 0.05 + 0.06 * 0.05 / 0.1135 + 0.1;
+        let redressing = with(redress).redressing().unwrap();
+        assert!((redressing.cut_off_mm - cut_off).abs() < 1e-9 && redressing.times == 2, "{redressing:?}");
+        assert_eq!(
+            with(redress).needed_text(7),
+            format!("7 uses of 3 made, redressed up to 2 times by {cut_off:.3} mm")
+        );
+        let short = with(Redress { least_length_mm: Some(11.9), ..redress });
+        assert_eq!(short.needed_text(3), format!("3; too short to lose {cut_off:.3} mm for a redressing"));
+        assert_eq!(with(Redress::default()).needed_text(3), "3");
+        let unknown = BurnFigures { corner_wear_mm: None, ..with(redress) };
+        assert!(unknown.needed_text(3).contains("redressing not considered"), "what is not known is not 0");
+        let said = Redress { allowance_mm: None, ..redress }.validate().unwrap_err().to_string();
+        assert!(said.contains("allowance_mm") && said.contains("not given"), "{said}");
     }
 
     #[test]

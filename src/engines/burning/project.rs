@@ -4,7 +4,7 @@ use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
 use crate::duration::Overhead;
-use crate::wear::AllowedWear;
+use crate::wear::{AllowedWear, Redress};
 
 /// Word for the built-in technology table.
 pub const BUILT_IN: &str = "built-in";
@@ -19,6 +19,9 @@ pub struct ProjectTechnology {
     pub id: String,
     /// Wear at which an electrode is replaced.
     pub allowed_wear: AllowedWear,
+    /// Redressing of worn electrodes.
+    #[serde(skip_serializing_if = "Redress::is_none")]
+    pub redress: Redress,
     /// Time beside burning.
     pub overhead: Overhead,
 }
@@ -29,6 +32,7 @@ impl Default for ProjectTechnology {
             table: BUILT_IN.to_owned(),
             id: "steel-copper".to_owned(),
             allowed_wear: AllowedWear::default(),
+            redress: Redress::default(),
             overhead: Overhead::default(),
         }
     }
@@ -47,6 +51,7 @@ impl Validate for ProjectTechnology {
             return Err(Invalid::of("table", format!("is empty; give {BUILT_IN} or a file")));
         }
         self.allowed_wear.validate().map_err(|problem| problem.within("allowed_wear"))?;
+        self.redress.validate().map_err(|problem| problem.within("redress"))?;
         self.overhead.validate().map_err(|problem| problem.within("overhead"))
     }
 }

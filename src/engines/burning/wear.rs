@@ -219,23 +219,44 @@ pub fn share_out(shares: &[f64]) -> Result<Copies, BurningError> {
     Ok(Copies { count, least, assignments })
 }
 
-/// Redressing of an electrode by cutting its front off.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Redressing of an electrode by cutting its front off; none without any of these figures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Redress {
     /// Length of a new electrode along which its section is that of its front (mm).
-    pub length_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length_mm: Option<f64>,
     /// Least length with which it still burns (mm).
-    pub least_length_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_length_mm: Option<f64>,
     /// Length that is cut off beyond the wear (mm).
-    pub allowance_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub allowance_mm: Option<f64>,
+}
+
+impl Redress {
+    /// Whether electrodes are not redressed.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Validate for Redress {
     fn validate(&self) -> Result<(), Invalid> {
-        Invalid::unless_within("length_mm", self.length_mm, LENGTH_MM, "mm")?;
-        Invalid::unless_within("least_length_mm", self.least_length_mm, [0.0, self.length_mm], "mm")?;
-        Invalid::unless_within("allowance_mm", self.allowance_mm, [1e-3, 100.0], "mm")
+        within("length_mm", self.length_mm, LENGTH_MM, "mm")?;
+        within("least_length_mm", self.least_length_mm, [0.0, self.length_mm.unwrap_or(LENGTH_MM[1])], "mm")?;
+        within("allowance_mm", self.allowance_mm, [1e-3, 100.0], "mm")?;
+        let figures = [
+            ("length_mm", self.length_mm),
+            ("least_length_mm", self.least_length_mm),
+            ("allowance_mm", self.allowance_mm),
+        ];
+        match figures.into_iter().find(|(_, figure)| figure.is_none()) {
+            Some((key, _)) if !self.is_none() => {
+                Err(Invalid::of(key, "is not given, and redressing needs it; give it, or none of its figures"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -251,17 +272,22 @@ pub struct Redressing {
 }
 
 impl Redress {
-    /// Redressing after this wear. None if the end wear or the corner wear is not known: wear is then not considered.
+    /// Redressing after this wear. None without redressing, and if the end wear or the corner wear is not known: wear is then not
+    /// considered.
     ///
     /// # Errors
     /// [`BurningError::Invalid`] for lengths that are not possible.
     pub fn after(&self, wear: &Wear) -> Result<Option<Redressing>, BurningError> {
         self.validate()?;
+        let Self { length_mm: Some(length), least_length_mm: Some(least), allowance_mm: Some(allowance) } = *self
+        else {
+            return Ok(None);
+        };
         let Some((end, corner)) = wear.end_mm.zip(wear.corner_mm) else { return Ok(None) };
-        let cut_off_mm = end + corner + self.allowance_mm;
-        Invalid::unless_within("length to cut off", cut_off_mm, [self.allowance_mm, f64::INFINITY], "mm")?;
-        let times = ((self.length_mm - self.least_length_mm) / cut_off_mm * (1.0 + ROUNDING)).floor();
-        let length_left_mm = (self.length_mm - times * cut_off_mm).max(self.least_length_mm);
+        let cut_off_mm = end + corner + allowance;
+        Invalid::unless_within("length to cut off", cut_off_mm, [allowance, f64::INFINITY], "mm")?;
+        let times = ((length - least) / cut_off_mm * (1.0 + ROUNDING)).floor();
+        let length_left_mm = (length - times * cut_off_mm).max(least);
         Ok(Some(Redressing { cut_off_mm, times: times as usize, length_left_mm }))
     }
 }
@@ -330,7 +356,7 @@ mod tests {
         let none = wear(&nameless, 1000.0, 100.0);
         assert_eq!((none.end_mm, none.corner_mm, none.missing.len()), (None, None, 1));
         let allowed = AllowedWear { end_mm: Some(0.1), corner_mm: None };
-        let redress = Redress { length_mm: 20.0, least_length_mm: 10.0, allowance_mm: 0.1 };
+        let redress = Redress { length_mm: Some(20.0), least_length_mm: Some(10.0), allowance_mm: Some(0.1) };
         assert_eq!(none.share_of(allowed), Ok(WearShare::Unknown { at_least: 0.0 }));
         assert_eq!(redress.after(&none), Ok(None));
         assert_eq!(redress.after(&Wear { corner_mm: None, ..known(0.1, 0.1) }), Ok(None));
@@ -389,14 +415,14 @@ mod tests {
     /// 20 mm of section, at least 10 mm: 10 mm to lose, 0.1 + 0.2 + 0.2 mm each time.
     #[test]
     fn redressing_uses_up_the_burning_length() {
-        let redress = Redress { length_mm: 20.0, least_length_mm: 10.0, allowance_mm: 0.2 };
+        let redress = Redress { length_mm: Some(20.0), least_length_mm: Some(10.0), allowance_mm: Some(0.2) };
         let done = redress.after(&known(0.1, 0.2)).unwrap().unwrap();
         assert!((done.cut_off_mm - 0.5).abs() < 1e-12 && done.times == 20 && (done.length_left_mm - 10.0).abs() < 1e-9);
         assert_eq!([1, 21, 22, 42].map(|copies| done.electrodes_for(copies)), [1, 1, 2, 2]);
         let much = redress.after(&known(10.0, 0.0)).unwrap().unwrap();
         assert_eq!((much.times, much.length_left_mm, much.electrodes_for(3)), (0, 20.0, 3));
-        assert!(Redress { least_length_mm: 30.0, ..redress }.after(&known(0.1, 0.1)).is_err());
-        assert!(Redress { allowance_mm: 0.0, ..redress }.after(&known(0.0, 0.0)).is_err());
+        assert!(Redress { least_length_mm: Some(30.0), ..redress }.after(&known(0.1, 0.1)).is_err());
+        assert!(Redress { allowance_mm: Some(0.0), ..redress }.after(&known(0.0, 0.0)).is_err());
     }
 
     proptest! {

@@ -40,6 +40,18 @@ macro_rules! technology_fields {
             files::Field::number(concat!($at, ".allowed_wear.corner_mm"), "Allowed corner wear", "mm", 1e-4, 1000.0)
                 .or_nothing(0.05)
                 .help("Wear of the edges at which an electrode is replaced; none for any."),
+            files::Field::number(concat!($at, ".redress.length_mm"), "Length to redress", "mm", 1e-3, 10_000.0)
+                .or_nothing(12.0)
+                .help(
+                    "Length of a new electrode along which its section is that of its front: worn fronts are cut off. None \
+                     where electrodes are not redressed.",
+                ),
+            files::Field::number(concat!($at, ".redress.least_length_mm"), "Least length", "mm", 0.0, 10_000.0)
+                .or_nothing(8.0)
+                .help("Length with which a redressed electrode still burns."),
+            files::Field::number(concat!($at, ".redress.allowance_mm"), "Redressed beyond", "mm", 1e-3, 100.0)
+                .or_nothing(0.1)
+                .help("Length that is cut off beyond the wear of front and edges."),
             files::Field::number(concat!($at, ".overhead.setup_min"), "Set-up", "min", 0.0, 1e6)
                 .decimals(1)
                 .help("Setting up the workpiece and the first electrode, once."),
