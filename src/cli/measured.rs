@@ -76,13 +76,14 @@ pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyh
     let reach_mm = arguments.reach.unwrap_or(f64::INFINITY);
     let judgement = Judgement { tolerance, freedoms, reach_mm };
     let found = ScannedPart::of(mesh.clone(), &surfaces, &scan, &judgement, &session.task)?;
-    let ScannedPart { fit, map, beyond_reach, verdict, all, by_surface, by_channel, worst } = &found;
+    let ScannedPart { fit, map, beyond_reach, verdict, all, by_surface, by_channel, worst, .. } = &found;
     super::terminal::finish();
     let answer = json!({
         "within": verdict.is_within,
         "verdict": verdict.to_string(),
         "points": map.list().len(),
         "beyond_reach": beyond_reach,
+        "unit_doubt": found.unit_doubt,
         "fit": fit.as_ref().map(fit_json),
         "all": statistics_json(all),
         "surfaces": by_surface.iter().map(|(name, of)| (name.clone(), statistics_json(of))).collect::<serde_json::Map<_, _>>(),

@@ -75,8 +75,7 @@ pub enum BurningError {
     /// The side gap and the orbit of the last step reach beyond the electrode's undersize: the step would gouge.
     #[error(
         "technology {technology}: step {step} reaches {:.4} mm beyond the electrode (side gap {gap_mm} mm, orbit \
-         {orbit_mm} mm), the electrode is undersized by {undersize_mm} mm: take a finer step, a smaller orbit or a \
-         smaller electrode", gap_mm + orbit_mm
+         {orbit_mm} mm), which has {undersize_mm} mm to burn in: take a finer step, a smaller orbit, or a larger gap", gap_mm + orbit_mm
     )]
     ReachBeyondUndersize {
         /// Id of the technology.

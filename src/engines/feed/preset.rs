@@ -174,7 +174,7 @@ mod tests {
         assert_ne!(path.digest(), nominal.digest());
     }
 
-    /// The same on a table that C turns about `Q`, and A on it: from the bed, joint by joint.
+    /// A table that C turns about `Q`, with A on it: from the bed, joint by joint.
     #[test]
     fn on_a_table_that_c_turns_the_blisk_comes_to_where_the_electrode_fits() {
         const Q: DVec3 = DVec3::new(-60.0, 4.0, 0.0);

@@ -50,7 +50,10 @@ pub enum MeasuredError {
     #[error("nominal surface: {0}; give a mesh with triangles")]
     Nominal(#[from] ExactMeshError),
     /// There are fewer points than a fit needs.
-    #[error("the scan has {found} points, the fit needs at least {needed}; give more points or free fewer axes")]
+    #[error(
+        "the scan has {found} points that count, the fit needs at least {needed}; give more points, a longer reach, or free \
+         fewer axes"
+    )]
     TooFewPoints {
         /// Number of points.
         found: usize,

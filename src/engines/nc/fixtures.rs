@@ -184,7 +184,7 @@ impl Scene {
         self.simulation_of(None, copying, (machine, bodies), channels)
     }
 
-    /// The same with an electrode that stands on its holder as `preset` says.
+    /// Simulation of an electrode that stands on its holder as `preset` says.
     pub fn simulation_of(
         &self,
         preset: Option<&Preset>,

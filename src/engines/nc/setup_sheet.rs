@@ -191,6 +191,13 @@ fn check(job: &JobFile, setup: &SetUp) -> Result<(), SetUpError> {
     let step = |s: f64| within("the step of rounding", s, "from 0.0001 to 10 mm", (1e-4..=10.0).contains(&s));
     setup.round.map_or(Ok(()), step)?;
     let Some(table) = setup.check else { return Ok(()) };
+    let [first, second] = table.angles.map(f64::to_degrees);
+    within(
+        "the second angle of A",
+        second,
+        "another place of the table than the first",
+        (second - first) % 360.0 != 0.0,
+    )?;
     if setup.datums.iter().all(|datum| datum.radius.is_none()) {
         return Err(SetUpError::NoBall);
     }

@@ -163,6 +163,6 @@ mod tests {
         let mut fine = slot(project());
         fine.params.stages[0].gap_mm = 0.04;
         let figures = fine.timed(Ok(&table())).electrodes.remove(0).figures;
-        assert!(figures.minutes.is_none() && figures.missing[0].contains("undersized by 0.04 mm"), "{figures:?}");
+        assert!(figures.minutes.is_none() && figures.missing[0].contains("has 0.04 mm to burn in"), "{figures:?}");
     }
 }

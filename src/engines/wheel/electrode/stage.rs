@@ -79,7 +79,8 @@ impl StageParams {
 }
 
 impl ElectrodeParams {
-    /// Checks that every stage is possible, that names differ, and that the last one leaves nothing.
+    /// Checks that every stage is possible, that names differ, that each comes nearer to the surface than the one before or as
+    /// near, and that the last one leaves nothing.
     pub(super) fn validate_stages(&self) -> Result<(), Invalid> {
         let Some(last) = self.stage.len().checked_sub(1) else { return Ok(()) };
         let rows = || format!("a list of {} rows", self.stage.len());
@@ -96,6 +97,16 @@ impl ElectrodeParams {
                 return Err(Invalid::new(format!("stage[{i}].name"), &stage.name, remedy));
             }
         }
+        for (i, pair) in self.stage.windows(2).enumerate() {
+            let [before, after] = [&pair[0], &pair[1]].map(StageParams::undersize_mm);
+            if after > before {
+                let remedy = format!(
+                    "with its stock the stage stays {after} mm away from the surface, and {before} mm are left to it: it has \
+                     nothing to burn; give it less, or put it before stage[{i}]"
+                );
+                return Err(Invalid::new(format!("stage[{}].spark_gap_mm", i + 1), pair[1].spark_gap_mm, remedy));
+            }
+        }
         if self.stage[last].stock_mm > 0.0 {
             let remedy = "the last stage leaves no stock; add a stage after it, or give it 0";
             return Err(Invalid::new(format!("stage[{last}].stock_mm"), self.stage[last].stock_mm, remedy));
@@ -103,7 +114,7 @@ impl ElectrodeParams {
         Ok(())
     }
 
-    /// What electrodes and paths depend on: without the ends of burning.
+    /// Parameters that electrodes and paths depend on: without the ends of burning.
     #[must_use]
     pub fn searched(&self) -> Self {
         let mut searched = self.clone();
@@ -226,6 +237,7 @@ mod tests {
         assert!(said(&|p| p.stage[1].name = "rough".to_owned()).contains("electrode.stage[1].name is rough"));
         assert!(said(&|p| p.stage[0].name = " ".to_owned()).contains("electrode.stage[0].name"));
         assert!(said(&|p| p.stage[1].stock_mm = 0.1).contains("electrode.stage[1].stock_mm is 0.1"));
+        assert!(said(&|p| p.stage[1].spark_gap_mm = 0.4).contains("electrode.stage[1].spark_gap_mm is 0.4"));
         assert!(said(&|p| p.stage[0].spark_gap_mm = 0.0).contains("electrode.stage[0].spark_gap_mm is 0"));
         assert!(
             said(&|p| p.stage[0].stock_mm = 1.9).contains("electrode.stage[0].stock_mm is 1.9"),

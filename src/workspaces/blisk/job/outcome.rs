@@ -51,7 +51,7 @@ impl PlanInputs {
         Self { blisk, obstacles: None, own_electrodes: Vec::new(), sections, blank: None, job }
     }
 
-    /// What electrode number `number` is planned from as if its stage were the only one, and its number in that.
+    /// Inputs of electrode number `number` as if its stage were the only one, and its number in that.
     pub(super) fn of_electrode(&self, number: usize) -> (Self, usize) {
         let (job, number) = self.job.of_electrode(number);
         (Self { job, ..self.clone() }, number)

@@ -55,7 +55,7 @@ fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<P
     pictures.into_iter().zip(drawn).map(|(picture, png)| Ok(finished(picture, png?))).collect()
 }
 
-/// One picture, drawn.
+/// Draws one picture.
 ///
 /// # Errors
 /// [`RenderError`], if nothing can be drawn here, or the task is cancelled.

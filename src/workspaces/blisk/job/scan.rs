@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use geometry::mesh::Mesh;
+use geometry::mesh::{Bounds, Mesh};
 use glam::DVec3;
 use measured::deviation::{Deviation, DeviationMap, Statistics, Tolerance, Verdict, Worst, deviations};
 use measured::fit::{BestFit, FitSettings, Freedoms, best_fit};
@@ -96,6 +96,10 @@ pub struct ScannedPart {
     pub map: DeviationMap,
     /// Points beyond reach.
     pub beyond_reach: usize,
+    /// Distance from the part beyond which points do not count (mm); infinite if all count.
+    pub reach_mm: f64,
+    /// Unit that the scan may be in instead of mm, in a sentence.
+    pub unit_doubt: Option<String>,
     /// Whether the part keeps the tolerance.
     pub verdict: Verdict,
     /// Statistics of all points.
@@ -120,6 +124,14 @@ impl ScannedPart {
         Judgement { tolerance, freedoms, reach_mm }: &Judgement,
         task: &Task,
     ) -> Result<Self, MeasuredError> {
+        let [_, allowed_mm] = tolerance.range_mm().map(f64::abs);
+        if *reach_mm <= allowed_mm {
+            return Err(MeasuredError::BadSetting {
+                name: "reach",
+                value: format!("{reach_mm} mm"),
+                rule: "it must be beyond the tolerance, or no point could be out of it",
+            });
+        }
         let nominal = Nominal::new(mesh, task)?;
         let fitted = |freedoms: &Freedoms| {
             let settings = FitSettings { freedoms: freedoms.clone(), reach_mm: *reach_mm, ..Default::default() };
@@ -140,29 +152,50 @@ impl ScannedPart {
             fit,
             map,
             beyond_reach,
+            reach_mm: *reach_mm,
+            unit_doubt: unit_doubt(nominal.mesh(), scan),
         })
     }
 
-    /// How the scan was moved, and what it does not determine, in sentences.
+    /// How the scan was moved, what it does not determine, and how much of it does not count, in sentences.
     pub fn fit_sentences(&self) -> Vec<String> {
-        let Some(fit) = &self.fit else { return vec!["The scan was not moved.".to_owned()] };
-        let values = fit.values.iter().map(|of| {
-            let letter = of.freedom.letter();
-            match of.freedom.is_rotation() {
-                true => format!("{letter} {:+.5}±{:.5} deg", of.value.to_degrees(), of.standard_deviation.to_degrees()),
-                false => format!("{letter} {:+.5}±{:.5} mm", of.value, of.standard_deviation),
-            }
+        let all = self.map.list().len() + self.beyond_reach;
+        let beyond = (self.beyond_reach > 0).then(|| {
+            let (beyond, reach) = (self.beyond_reach, self.reach_mm);
+            format!(
+                "{beyond} of {all} points lie farther than {reach} mm from the part and do not count in the verdict."
+            )
         });
-        let values = values.collect::<Vec<_>>().join(", ");
-        let end = if fit.has_converged { "" } else { ", which did not settle" };
-        let moved = format!(
-            "The scan was moved by {values}: rms {:.5} mm after {} iterations{end}.",
-            fit.rms_mm, fit.iterations
-        );
-        let open =
-            fit.undetermined.iter().map(|of| format!("The scan does not determine a {of}: it was left as it is."));
-        std::iter::once(moved).chain(open).collect()
+        let fit = self.fit.as_ref().map_or_else(|| vec!["The scan was not moved.".to_owned()], fit_sentences);
+        self.unit_doubt.iter().cloned().chain(fit).chain(beyond).collect()
     }
+}
+
+/// How a scan was moved, and what it does not determine, in sentences.
+fn fit_sentences(fit: &BestFit) -> Vec<String> {
+    let values = fit.values.iter().map(|of| {
+        let letter = of.freedom.letter();
+        match of.freedom.is_rotation() {
+            true => format!("{letter} {:+.5}±{:.5} deg", of.value.to_degrees(), of.standard_deviation.to_degrees()),
+            false => format!("{letter} {:+.5}±{:.5} mm", of.value, of.standard_deviation),
+        }
+    });
+    let values = values.collect::<Vec<_>>().join(", ");
+    let end = if fit.has_converged { "" } else { ", which did not settle" };
+    let moved =
+        format!("The scan was moved by {values}: rms {:.5} mm after {} iterations{end}.", fit.rms_mm, fit.iterations);
+    let open = fit.undetermined.iter().map(|of| format!("The scan does not determine a {of}: it was left as it is."));
+    std::iter::once(moved).chain(open).collect()
+}
+
+/// A sentence where a scan is as large against the part as one in inches, or as one in mm of a part in inches.
+fn unit_doubt(mesh: &Mesh, scan: &[DVec3]) -> Option<String> {
+    const INCH_MM: f64 = 25.4;
+    const ALIKE: f64 = 0.03;
+    let [of_part, of_scan] = [mesh.bounds(), Bounds::of(scan.iter().copied())].map(|b| b.size().length());
+    let ratio = (of_scan / of_part).max(of_part / of_scan);
+    ((ratio / INCH_MM - 1.0).abs() < ALIKE)
+        .then(|| format!("The scan is {of_scan:.1} mm across and the part {of_part:.1} mm: is one of them in inches?"))
 }
 
 #[cfg(test)]

@@ -76,7 +76,6 @@ pub fn page(part: &ScannedPart, of: &ScanPage) -> Result<String, PageError> {
         tolerance_mm: [f64; 2],
         least_percent: f64,
         fit: Vec<String>,
-        beyond_reach: usize,
         all: Row,
         surfaces: Vec<Row>,
         channels: Vec<Row>,
@@ -102,7 +101,6 @@ pub fn page(part: &ScannedPart, of: &ScanPage) -> Result<String, PageError> {
         tolerance_mm: tolerance.range_mm(),
         least_percent: 100.0 * tolerance.least_share(),
         fit: part.fit_sentences(),
-        beyond_reach: part.beyond_reach,
         all: Row::of("all", &part.all),
         surfaces: part.by_surface.iter().map(|(name, of)| Row::of(name, of)).collect(),
         channels: part.by_channel.iter().map(|(number, of)| Row::of(number, of)).collect(),
@@ -235,10 +233,16 @@ mod tests {
         assert_eq!(of_box.matches("<svg").count(), 1, "a part that is no wheel has no channels");
         assert!(!of_box.contains("Deviation of each channel"));
         part.by_channel = (0..3).map(|number| (number, part.all)).collect();
-        part.beyond_reach = 7;
+        (part.beyond_reach, part.reach_mm) = (7, 0.5);
         let of_wheel = page(&part, &files).unwrap();
         assert_eq!(of_wheel.matches("<svg").count(), 2);
-        for text in ["Deviation of each channel, mm", "tolerance 0.0300", "tolerance \u{2212}0.0300", "7 points lie"] {
+        for text in [
+            "Deviation of each channel, mm",
+            "tolerance 0.0300",
+            "tolerance \u{2212}0.0300",
+            "7 of ",
+            "farther than 0.5 mm",
+        ] {
             assert!(of_wheel.contains(text), "{text}: {of_wheel}");
         }
     }
