@@ -20,7 +20,6 @@ pub struct ProjectTechnology {
     /// Wear at which an electrode is replaced.
     pub allowed_wear: AllowedWear,
     /// Redressing of worn electrodes.
-    #[serde(skip_serializing_if = "Redress::is_none")]
     pub redress: Redress,
     /// Time beside burning.
     pub overhead: Overhead,

@@ -219,7 +219,7 @@ pub fn share_out(shares: &[f64]) -> Result<Copies, BurningError> {
     Ok(Copies { count, least, assignments })
 }
 
-/// Redressing of an electrode by cutting its front off; none without any of these figures.
+/// Redressing of an electrode by cutting its front off; considered where all of these figures are given.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Redress {
@@ -239,24 +239,23 @@ impl Redress {
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
+
+    /// Name of a figure that is not given where another one is.
+    pub fn missing(&self) -> Option<&'static str> {
+        let figures = [
+            ("length_mm", self.length_mm),
+            ("least_length_mm", self.least_length_mm),
+            ("allowance_mm", self.allowance_mm),
+        ];
+        figures.into_iter().find(|(_, figure)| figure.is_none()).map(|(name, _)| name).filter(|_| !self.is_none())
+    }
 }
 
 impl Validate for Redress {
     fn validate(&self) -> Result<(), Invalid> {
         within("length_mm", self.length_mm, LENGTH_MM, "mm")?;
         within("least_length_mm", self.least_length_mm, [0.0, self.length_mm.unwrap_or(LENGTH_MM[1])], "mm")?;
-        within("allowance_mm", self.allowance_mm, [1e-3, 100.0], "mm")?;
-        let figures = [
-            ("length_mm", self.length_mm),
-            ("least_length_mm", self.least_length_mm),
-            ("allowance_mm", self.allowance_mm),
-        ];
-        match figures.into_iter().find(|(_, figure)| figure.is_none()) {
-            Some((key, _)) if !self.is_none() => {
-                Err(Invalid::of(key, "is not given, and redressing needs it; give it, or none of its figures"))
-            }
-            _ => Ok(()),
-        }
+        within("allowance_mm", self.allowance_mm, [1e-3, 100.0], "mm")
     }
 }
 
