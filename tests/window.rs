@@ -32,6 +32,8 @@ mod made_once;
 mod mold;
 #[path = "window/recognition.rs"]
 mod recognition;
+#[path = "window/regions.rs"]
+mod regions;
 #[path = "window/releasing.rs"]
 mod releasing;
 #[path = "window/saving.rs"]

@@ -278,7 +278,6 @@ mod tests {
     use crate::choice::Until;
     use crate::choice::tests::{burn, complete};
     use crate::technology::Calibration;
-    use files::Validate as _;
 
     fn table() -> TechnologyFile {
         TechnologyFile { technology: vec![complete()], calibration: Vec::new() }

@@ -248,22 +248,6 @@ fn single_parts_have_divisions_overlaps_and_reductions_of_their_own() {
     }
 }
 
-#[test]
-fn rows_of_single_parts_that_cannot_be_are_refused_with_their_key() {
-    let of = |parts, part| ElectrodeParams { parts, part, ..unreduced() }.validate().map_err(|e| e.to_string());
-    let until = |share| PartParams { until: Some(share), ..PartParams::default() };
-    assert_eq!(of(3, vec![until(0.2), until(0.5)]), Ok(()));
-    for (parts, rows, key) in [
-        (1, vec![until(0.5), until(0.6)], "electrode.part is"),
-        (3, vec![until(0.5), until(0.4)], "electrode.part[1].until"),
-        (4, vec![until(0.995)], "electrode.part[0].until"),
-        (2, vec![PartParams { overlap_mm: Some(-1.0), ..PartParams::default() }], "electrode.part[0].overlap_mm"),
-    ] {
-        let said = of(parts, rows).unwrap_err();
-        assert!(said.contains(key), "{said}");
-    }
-}
-
 fn faces_look_where_their_names_say() {
     for side in [EntrySide::MinusX, EntrySide::PlusX] {
         let electrode = &make(&FINE, &ElectrodeParams::default(), side).unwrap()[0];
@@ -452,33 +436,6 @@ fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
             assert!(near as f64 > 0.97 * f64::from(count), "{side:?}: {near} of {count}");
         }
     }
-}
-
-#[test]
-fn electrodes_of_ones_own_are_as_many_as_their_meshes_each_from_its_side() {
-    let more = [("b.stl", EnterSide::PlusX), ("c.stl", EnterSide::Auto)];
-    let more = more.map(|(mesh, enter)| OwnMesh { mesh: mesh.into(), enter }).to_vec();
-    let mut own = ElectrodeParams {
-        mesh: Some("a.stl".into()),
-        more,
-        enter: EnterSide::MinusX,
-        parts: 1,
-        columns: 2,
-        ..ElectrodeParams::default()
-    };
-    own.validate().unwrap();
-    assert_eq!((own.count(), own.own_meshes().count()), (3, 3));
-    assert_eq!([0, 1, 2].map(|number| own.place_of(number)), [(0, None), (1, None), (2, None)]);
-    let sides = |own: &ElectrodeParams| [0, 1, 2].map(|part| own.of_part(part).enter);
-    assert_eq!(sides(&own), [EnterSide::MinusX, EnterSide::PlusX, EnterSide::MinusX]);
-    own.enter_from(2, EnterSide::Outward);
-    assert_eq!(sides(&own), [EnterSide::MinusX, EnterSide::PlusX, EnterSide::Outward]);
-    own.more[0].mesh = "".into();
-    assert!(own.validate().unwrap_err().to_string().contains("more[0].mesh"));
-    own.more[0].mesh = "b.stl".into();
-    own.mesh = None;
-    assert!(own.validate().unwrap_err().to_string().contains("electrode.mesh names the first one"));
-    assert_eq!((own.count(), own.own_meshes().count()), (2, 0), "without the first they are none");
 }
 
 #[test]
