@@ -30,6 +30,8 @@ mod machine;
 mod made_once;
 #[path = "window/mold.rs"]
 mod mold;
+#[path = "window/mold_documents.rs"]
+mod mold_documents;
 #[path = "window/recognition.rs"]
 mod recognition;
 #[path = "window/regions.rs"]
