@@ -191,13 +191,6 @@ fn check(job: &JobFile, setup: &SetUp) -> Result<(), SetUpError> {
     let step = |s: f64| within("the step of rounding", s, "from 0.0001 to 10 mm", (1e-4..=10.0).contains(&s));
     setup.round.map_or(Ok(()), step)?;
     let Some(table) = setup.check else { return Ok(()) };
-    let [first, second] = table.angles.map(f64::to_degrees);
-    within(
-        "the second angle of A",
-        second,
-        "another place of the table than the first",
-        (second - first) % 360.0 != 0.0,
-    )?;
     if setup.datums.iter().all(|datum| datum.radius.is_none()) {
         return Err(SetUpError::NoBall);
     }
@@ -205,7 +198,14 @@ fn check(job: &JobFile, setup: &SetUp) -> Result<(), SetUpError> {
     let angle = |angle: f64| {
         within("an angle of A (degrees)", angle.to_degrees(), "from -360 to 360", angle.abs() <= std::f64::consts::TAU)
     };
-    table.angles.into_iter().try_for_each(angle)
+    table.angles.into_iter().try_for_each(angle)?;
+    let [first, second] = table.angles.map(f64::to_degrees);
+    within(
+        "the second angle of A",
+        second,
+        "another place of the table than the first",
+        (second - first) % 360.0 != 0.0,
+    )
 }
 
 #[cfg(test)]
@@ -284,6 +284,8 @@ mod tests {
         assert_eq!(with(corner, None, Some(check)), Err(SetUpError::NoBall));
         let is_range = |answer: Result<String, SetUpError>| matches!(answer, Err(SetUpError::Range { .. }));
         assert!(is_range(with(ball([0.0; 3]), None, Some(check))));
+        let same = TableCheck { angles: [0.0, std::f64::consts::TAU], ..check };
+        assert!(is_range(with(ball([0.0; 3]), None, Some(same))), "a check of one place finds nothing");
         assert!(is_range(with(ball([f64::INFINITY, 0.0, 0.0]), None, None)));
         assert!(is_range(with(Datum { radius: Some(0.0), ..corner }, None, None)));
         assert!(is_range(with(corner, Some(-0.01), None)) && is_range(with(corner, Some(1e-310), None)));

@@ -238,7 +238,7 @@ fn too_few_points_odd_points_and_cancelling_are_told() {
     let nominal = nominal(Mesh::cuboid(DVec3::ONE));
     let run = |points: &[DVec3], task: &Task| best_fit(&nominal, points, &FitSettings::default(), task).unwrap_err();
     let few = run(&[DVec3::ZERO; 6], &Task::default());
-    assert_eq!(few.to_string(), "the scan has 6 points, the fit needs at least 7; give more points or free fewer axes");
+    assert!(few.to_string().contains("the scan has 6 points that count, the fit needs at least 7"), "{few}");
     let mut odd = vec![DVec3::ONE; 9];
     odd[4].y = f64::NAN;
     assert!(run(&odd, &Task::default()).to_string().contains("point 5 "));
