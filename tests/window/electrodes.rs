@@ -25,7 +25,7 @@ use sparkpath::workspaces::setup::DatumRow;
 use task::State;
 
 use crate::desk::{Desk, Home};
-use crate::regions::bent_slot;
+use crate::regions::{bent_slot, with_electrodes};
 
 /// A window on the stepped mold with electrodes, for which nothing but Design was pressed.
 fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
@@ -472,16 +472,7 @@ fn a_saved_project_with_every_edit_is_answered_headless_as_in_the_window() {
 #[test]
 fn ways_of_dividing_are_compared_with_the_electrodes_that_are_shown() {
     let home = Home::new();
-    let file = home.path("bent.stl");
-    write_stl(&file, &bent_slot()).unwrap();
-    let mut desk = home.start_in(Opening::In("mold", Some(file)), [1280, 900], 1.0);
-    desk.take_cutters(&[Cutter::flat(2.0)]);
-    let mut params = desk.mold().document.params().clone();
-    params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
-    desk.mold_mut().edit(params);
-    desk.until_loaded();
-    desk.press("Create electrodes");
-    until_designed(&mut desk);
+    let mut desk = with_electrodes(&home, [1280, 900]);
     for shut in ["Mold", "Cutters", "Uncut"] {
         desk.press_role(Role::DisclosureTriangle, shut);
     }

@@ -22,12 +22,11 @@ pub(crate) fn bent_slot() -> Mesh {
     difference(&prism(&[&block], 0.0, 10.0).unwrap(), &prism(&[&slot], 6.0, 11.0).unwrap()).unwrap()
 }
 
-#[test]
-fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
-    let home = Home::new();
+/// A window on the bent slot with its electrodes.
+pub(crate) fn with_electrodes(home: &Home, pixels: [u16; 2]) -> Desk {
     let file = home.path("bent.stl");
     write_stl(&file, &bent_slot()).unwrap();
-    let mut desk = home.start_in(Opening::In("mold", Some(file)), [1280, 720], 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(file)), pixels, 1.0);
     desk.take_cutters(&[Cutter::flat(2.0)]);
     let mut params = desk.mold().document.params().clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
@@ -35,6 +34,13 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     desk.until_loaded();
     desk.press("Create electrodes");
     until_designed(&mut desk);
+    desk
+}
+
+#[test]
+fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
+    let home = Home::new();
+    let mut desk = with_electrodes(&home, [1280, 720]);
     let parts = |desk: &Desk| desk.mold().electrodes.designed().unwrap().leaves(0).len();
     let until_made = |desk: &mut Desk| {
         desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
