@@ -7,6 +7,7 @@ use clap::Args;
 use super::project::ProjectArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
+use crate::workspaces::blisk::job::burning::check_ends;
 use crate::workspaces::blisk::job::design::{DesignLimits, DesignRow, DesignSpace, design as design_job};
 use crate::workspaces::blisk::job::plan::prepare;
 use crate::workspaces::blisk::report::design::{DesignReport, SCHEMA};
@@ -72,15 +73,12 @@ pub(super) fn design(arguments: &DesignArguments, session: &Session) -> anyhow::
         arguments.planes.is_empty() || arguments.parts >= 2,
         "--planes: planes divide two parts; give --parts 2 or more"
     );
+    check_ends(&inputs.job).map_err(anyhow::Error::msg)?;
     let prepared = prepare(&inputs, &session.task)?;
-    let radial = &arguments.radial;
     let space = DesignSpace {
         most_parts: usize::from(arguments.parts),
         columns: arguments.columns,
-        radial_reductions_mm: match radial.is_empty() {
-            true => vec![inputs.job.electrode.radial_reduction_mm],
-            false => each_once(radial),
-        },
+        radial_reductions_mm: each_once(&arguments.radial),
         planes: each_once(&arguments.planes),
     };
     let limits = DesignLimits { residual_mm: arguments.residual, thickness_mm: arguments.thickness };
@@ -135,23 +133,24 @@ const HEAD: &str = "parts  columns  plane  enter  low deg  high deg  radial mm  
 
 fn line(row: &DesignRow) -> String {
     let number = |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |v| format!("{v:.decimals$}"));
-    let [low, high] = row.size.reduction_deg;
+    let reduction = |wall: usize| row.stage_cell(|stage| stage.size.reduction_cells()[wall].clone());
+    let [low, high] = [reduction(0), reduction(1)];
     let note = match (&row.breaks[..], &row.no_minutes) {
         ([], Some(why)) => why.clone(),
         (breaks, _) => breaks.join("; "),
     };
     let text = format!(
-        "{:>5}  {:>7}  {:>5}  {:>5}  {low:>7.3}  {high:>8.3}  {:>9}  {:>11}  {:>7}  {:>6}  {:>11}  {:>12.3}  {note}",
-        row.size.parts,
-        row.columns,
-        number(row.plane, 2),
-        row.size.enter.name(),
-        row.radial_reduction_mm,
+        "{:>5}  {:>7}  {:>5}  {:>5}  {low:>7}  {high:>8}  {:>9}  {:>11}  {:>7}  {:>6}  {:>11}  {:>12.3}  {note}",
+        row.stage_cell(|stage| stage.size.parts.to_string()),
+        row.stage_cell(|stage| stage.columns.to_string()),
+        row.stage_cell(|stage| number(stage.plane, 2)),
+        row.stage_cell(|stage| stage.size.enter.name().to_owned()),
+        row.stage_cell(|stage| stage.radial_reduction_mm.to_string()),
         number(row.channel.map(|channel| channel.mean), 1),
         row.hours_cell(),
         row.needed_cell(),
         row.residual_cell(),
-        row.size.least_thickness_mm
+        row.least_thickness_mm
     );
     text.trim_end().to_owned()
 }

@@ -7,6 +7,7 @@ use super::{Answer, Session};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::export::{self, PlanFilesError};
+use crate::workspaces::blisk::job::burning::check_ends;
 use crate::workspaces::blisk::job::burning::{BurningElectrode, WheelBurning};
 use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
@@ -102,6 +103,7 @@ fn finish(
 ) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
     export::ExportForms::of(&inputs.job.export)?;
+    check_ends(&inputs.job).map_err(anyhow::Error::msg)?;
     ExportFolder::check(out)?;
     if let Some(presets) = presets {
         check_presets(presets, inputs.electrodes()).map_err(|why| anyhow::anyhow!("presets: {why}"))?;
@@ -158,21 +160,25 @@ pub(super) fn ready(inputs: PlanInputs, session: &Session) -> anyhow::Result<(Pr
 
 /// The job with the size that is found for it, which is said.
 fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> anyhow::Result<PlanInputs> {
-    let (sized, row) = auto_sized(prepared, inputs, &session.task)?;
+    let (sized, rows) = auto_sized(prepared, inputs, &session.task)?;
     super::terminal::finish();
     if !session.json {
-        let [low, high] = sized.job.electrode.circumferential_reduction_deg;
-        match row {
-            Some(row) => {
-                say!(
-                    "size       reductions {low:.3} and {high:.3} deg, entered from {}, strategy global",
-                    row.enter.name()
-                );
+        for (stage, row) in rows.iter().enumerate() {
+            let name =
+                sized.job.electrode.stage.get(stage).map(|stage| format!("{}: ", stage.name)).unwrap_or_default();
+            match row {
+                Some(row) => {
+                    let ([low, high], enter) = (row.reduction_cells(), row.enter.name());
+                    say!("size       {name}reductions {low} and {high} deg, entered from {enter}, strategy global");
+                }
+                None => {
+                    let [low, high] = sized.job.electrode.of_stage(stage).circumferential_reduction_deg;
+                    say!(
+                        "size       {name}not feasible: no reduction gives an extraction path; planned with {low:.3} and \
+                         {high:.3} deg"
+                    );
+                }
             }
-            None => say!(
-                "size       not feasible: no reduction gives an extraction path; planned with {low:.3} and \
-                 {high:.3} deg"
-            ),
         }
     }
     Ok(sized)

@@ -31,11 +31,12 @@ pub(super) fn size(project: &ProjectArguments, parts: usize, session: &Session) 
 }
 
 fn line(row: &SizeRow) -> String {
-    let [low, high] = row.reduction_deg;
+    let [low, high] = row.reduction_cells();
+    let stage = row.stage.as_ref().map(|stage| format!("  {stage}")).unwrap_or_default();
     let enter = row.enter.name();
     let SizeRow { parts, least_thickness_mm, volume_mm3, certified_mm, .. } = row;
     format!(
-        "{parts:>5}  {enter:>5}  {low:>7.3}  {high:>8.3}  {least_thickness_mm:>12.3}  {volume_mm3:>10.1}  \
-         {certified_mm:>12.4}"
+        "{parts:>5}  {enter:>5}  {low:>7}  {high:>8}  {least_thickness_mm:>12.3}  {volume_mm3:>10.1}  \
+         {certified_mm:>12.4}{stage}"
     )
 }

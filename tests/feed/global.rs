@@ -8,14 +8,14 @@ use ::files::Validate as _;
 use feed::jam::{Change, JamCause, Opening};
 use feed::plan_params::Strategy;
 use sparkpath::workspaces::blisk::job::burning::WheelBurning;
-use sparkpath::workspaces::blisk::job::design::{DesignLimits, DesignSpace, design};
+use sparkpath::workspaces::blisk::job::design::{Design, DesignLimits, DesignSpace, design};
 use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::{run_finished, run_prepared};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use sparkpath::workspaces::blisk::job::preview::live_way;
 use sparkpath::workspaces::blisk::job::sizing::{SizingRange, TOLERANCE_DEG, size};
 use task::Progress;
-use wheel::electrode::PartParams;
+use wheel::electrode::{PartParams, StageParams};
 
 fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
     let mut job = easy_job();
@@ -244,29 +244,49 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     assert!(!rows.is_empty());
     let row = &rows[0];
     assert_eq!(*shown.lock().unwrap(), rows, "no row is shown that is thrown away");
-    assert!(row.reduction_deg[0] < 2.0 && row.reduction_deg[0] == row.reduction_deg[1], "{row:?}");
+    let [least] = row.reduction_deg[..] else { panic!("{row:?}") };
+    assert!(least[0] < 2.0 && least[0] == least[1], "{row:?}");
     assert!(row.certified_mm >= 0.1 - 0.002);
     let mut job = coarse_job(0.0);
-    job.electrode.circumferential_reduction_deg = row.reduction_deg;
+    job.electrode.circumferential_reduction_deg = least;
     let inputs = easy_inputs(job);
     let plan = run_feeds(ready(), &inputs, &Task::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
     let mut less = inputs.clone();
-    less.job.electrode.circumferential_reduction_deg = row.reduction_deg.map(|deg| deg - TOLERANCE_DEG);
+    less.job.electrode.circumferential_reduction_deg = least.map(|deg| deg - TOLERANCE_DEG);
     assert!(!run_feeds(ready(), &less, &Task::default()).unwrap().is_verified(), "there is a certified plan with less");
     let thicker =
         |r: &sparkpath::workspaces::blisk::job::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
-    assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");
+    assert!(rows.iter().filter(|r| r.reduction_deg[0][0] != r.reduction_deg[0][1]).all(thicker), "{rows:?}");
 }
 
 fn sets_are_what_their_plans_make() {
+    let base = sets_are_those_of_plans(&[]);
+    let stage = |name: &str, stock_mm| StageParams {
+        name: name.to_owned(),
+        spark_gap_mm: 0.15,
+        stock_mm,
+        last_step: "S1".to_owned(),
+        ..StageParams::default()
+    };
+    let staged = sets_are_those_of_plans(&[stage("rough", 0.1), stage("finish", 0.0)]);
+    // The finishing electrodes of both are the same, and each stage is drawn in by what it needs itself.
+    for row in &staged.rows {
+        let [rough, finish] = [0, 1].map(|stage| row.stages[stage].size.most_deg());
+        assert!(rough > finish, "{row:?}");
+        assert!(base.rows.iter().any(|single| single.stages[0].size.reduction_deg == row.stages[1].size.reduction_deg));
+    }
+}
+
+/// Searches sets of one part in `stages`, plans each, and compares.
+fn sets_are_those_of_plans(stages: &[StageParams]) -> Design {
     let mut base = easy_inputs(coarse_job(2.8));
+    base.job.electrode.stage = stages.to_vec();
     // The search of sets is the global one, whatever the job's own draws in.
     (base.job.plan.strategy, base.job.genetic.h) = (Strategy::Genetic, ReductionMode::Variable);
     (base.job.burning.last_step, base.job.electrode.spark_gap_mm) = ("S1".to_owned(), 0.15);
-    let radial = base.job.electrode.radial_reduction_mm;
-    let space = DesignSpace { most_parts: 1, columns: false, radial_reductions_mm: vec![radial], planes: Vec::new() };
+    let space = DesignSpace { most_parts: 1, columns: false, radial_reductions_mm: Vec::new(), planes: Vec::new() };
     let design = design(ready(), &base, &space, &DesignLimits::default(), &|_| (), &Task::default()).unwrap();
     for row in &design.rows {
         let mut job = base.job.clone();
@@ -276,8 +296,9 @@ fn sets_are_what_their_plans_make() {
         assert!(row.is_applied(&job));
         let inputs = PlanInputs { job, ..base.clone() };
         let plan = run_finished(ready(), &inputs, &Task::default()).unwrap();
-        let certified = only(&plan).plan.path.as_ref().unwrap().certificate.certified();
-        assert_eq!(certified, row.size.certified_mm);
+        let certified = |e: &ElectrodeOutcome| e.plan.path.as_ref().unwrap().certificate.certified();
+        let planned: Vec<f64> = plan.electrodes.iter().map(certified).collect();
+        assert_eq!(planned, row.stages.iter().map(|stage| stage.size.certified_mm).collect::<Vec<_>>());
         let burning = WheelBurning::of_job(&plan, &inputs.job).unwrap();
         assert_eq!((burning.channel, burning.schedule.map(|of| of.total())), (row.channel, row.wheel));
         assert_eq!(plan.residual_stock().unwrap().stock.left_mm3, row.left_mm3.unwrap());
@@ -285,6 +306,7 @@ fn sets_are_what_their_plans_make() {
     let fastest = design.fastest().unwrap_or_else(|| panic!("{} {:?}", design.sentence(), design.rows));
     assert!(fastest.wheel.is_some() && !fastest.is_wear_known, "{}", design.sentence());
     assert!(design.sentence().contains("wear is not considered"), "{}", design.sentence());
+    design
 }
 
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {

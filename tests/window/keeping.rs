@@ -128,7 +128,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     assert!(limit.surface.contains("wall") || limit.surface == "hub", "{}", limit.clause());
     let of_other = "These sizes are out of date; find them again to take one.";
     let electrode = desk.blisk().document.params().electrode.clone();
-    assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
+    assert_eq!(&[electrode.circumferential_reduction_deg], &row.reduction_deg[..]);
     assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");
     desk.enter("Radial reduction", "1.1");
     desk.until_done(Stage::Electrode);

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::BurningError;
-use crate::choice::{Burn, choose};
+use crate::choice::{Burn, Until, choose, named};
 use crate::duration::{BurnTime, Calibrated, time_of};
-use crate::technology::TechnologyFile;
+use crate::technology::{Technology, TechnologyFile};
 use crate::wear::Wear;
 
 /// Minutes and wear of an electrode in one burn, with the figures that they rest on and those that are missing.
@@ -24,13 +24,29 @@ impl TechnologyFile {
     /// [`BurningError`] if there is no such technology, if the burn, the technology or a finished burn is not possible,
     /// if no step is fine enough, or if the last step does not suit the burn.
     pub fn estimate(&self, id: &str, burn: &Burn) -> Result<Estimate, BurningError> {
-        let technology = self.get(id).ok_or_else(|| {
-            let ids: Vec<&str> = self.technology.iter().map(|technology| technology.id.as_str()).collect();
-            BurningError::NoSuchTechnology { id: id.to_owned(), ids: ids.join(", ") }
-        })?;
+        let technology = self.find(id)?;
         let choice = choose(technology, burn)?;
         let calibration = Calibrated::from_burns(self.calibrations_of(id))?;
         Ok(Estimate { time: time_of(&choice, calibration)?, wear: Wear::of_burn(&choice) })
+    }
+
+    /// Checks that there is a technology of this id, and that it has the step at which burning ends.
+    ///
+    /// # Errors
+    /// [`BurningError::NoSuchTechnology`] or [`BurningError::NoSuchStep`].
+    pub fn check_end(&self, id: &str, until: &Until) -> Result<(), BurningError> {
+        let technology = self.find(id)?;
+        match until {
+            Until::Step(step) => named(technology, step).map(|_| ()),
+            Until::Vdi(_) | Until::RaUm(_) => Ok(()),
+        }
+    }
+
+    fn find(&self, id: &str) -> Result<&Technology, BurningError> {
+        self.get(id).ok_or_else(|| {
+            let ids: Vec<&str> = self.technology.iter().map(|technology| technology.id.as_str()).collect();
+            BurningError::NoSuchTechnology { id: id.to_owned(), ids: ids.join(", ") }
+        })
     }
 }
 

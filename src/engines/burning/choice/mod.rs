@@ -369,7 +369,8 @@ fn outside(technology: &Technology, burn: &Burn) -> Vec<Outside> {
     area.into_iter().chain(depth).collect()
 }
 
-fn named(technology: &Technology, name: &str) -> Result<usize, BurningError> {
+/// Index of the step of this name.
+pub(crate) fn named(technology: &Technology, name: &str) -> Result<usize, BurningError> {
     technology.step.iter().position(|step| step.name == name).ok_or_else(|| {
         let names: Vec<&str> = technology.step.iter().map(|step| step.name.as_str()).collect();
         let [technology, step] = [&technology.id, name].map(str::to_owned);

@@ -140,6 +140,9 @@ pub(super) const COLUMN_SPLIT: [f64; 2] = [0.1, 0.9];
 /// Ranges that hold for all parts and stages and for single ones.
 pub(super) const GAP: [f64; 2] = [0.005, 2.0];
 const OVERLAP: [f64; 2] = [0.0, 100.0];
+/// Parts along the passage, and columns.
+pub(super) const PARTS: [f64; 2] = [1.0, 20.0];
+pub(super) const COLUMNS: [f64; 2] = [1.0, 2.0];
 pub(super) const TURN: [f64; 2] = [0.0, 45.0];
 pub(super) const RADIAL: [f64; 2] = [0.0, 100.0];
 
@@ -174,6 +177,11 @@ impl EnterSide {
             Self::Inward => "inward",
             Self::Auto => "auto",
         }
+    }
+
+    /// Whether the better side is wanted.
+    pub fn is_auto(&self) -> bool {
+        *self == Self::Auto
     }
 
     /// Whether an electrode may enter from `side`.
@@ -238,9 +246,9 @@ impl ElectrodeParams {
             ("circumferential_reduction_deg[0]", low, TURN, "deg"),
             ("circumferential_reduction_deg[1]", high, TURN, "deg"),
             ("radial_reduction_mm", self.radial_reduction_mm, RADIAL, "mm"),
-            ("parts", self.parts as f64, [1.0, 20.0], ""),
+            ("parts", self.parts as f64, PARTS, ""),
             ("overlap_mm", self.overlap_mm, OVERLAP, "mm"),
-            ("columns", self.columns as f64, [1.0, 2.0], ""),
+            ("columns", self.columns as f64, COLUMNS, ""),
             ("column_overlap_mm", self.column_overlap_mm, [-20.0, 20.0], "mm"),
             ("column_split", self.column_split.given().unwrap_or(0.5), COLUMN_SPLIT, ""),
             ("overrun_mm", self.overrun_mm, [0.0, 100.0], "mm"),
@@ -282,7 +290,7 @@ impl ElectrodeParams {
         Ok(())
     }
 
-    fn validate_parts(&self) -> Result<(), Invalid> {
+    pub(super) fn validate_parts(&self) -> Result<(), Invalid> {
         if self.part.len() > self.parts {
             let remedy = format!("more than electrode.parts, which is {}: remove rows, or raise parts", self.parts);
             return Err(Invalid::new("part", format!("a list of {} rows", self.part.len()), remedy));
@@ -310,7 +318,11 @@ impl ElectrodeParams {
 
     /// Number of electrodes that the channel is divided between, in all stages.
     pub fn count(&self) -> usize {
-        if self.mesh.is_some() { 1 + self.more.len() } else { self.stages() * self.parts * self.columns }
+        if self.mesh.is_some() {
+            return 1 + self.more.len();
+        }
+        let places = |stage: &StageParams| stage.parts.unwrap_or(self.parts) * stage.columns.unwrap_or(self.columns);
+        if self.stage.is_empty() { self.parts * self.columns } else { self.stage.iter().map(places).sum() }
     }
 
     /// The parameters that hold for part `part` along the passage: of its own row only the division is left.
@@ -368,9 +380,25 @@ impl ElectrodeParams {
         divisions
     }
 
-    /// Sets the side of entry of part `part` along the passage: where there are several, of this one alone.
-    pub fn enter_from(&mut self, part: usize, side: EnterSide) {
-        if let Some(own) = part.checked_sub(1).and_then(|i| self.more.get_mut(i)).filter(|_| self.mesh.is_some()) {
+    /// Sets the side of entry of electrode number `number`: where there are several parts, of its own alone.
+    pub fn enter_from(&mut self, number: usize, side: EnterSide) {
+        let (stage, number) = self.in_stage(number);
+        let of_stage = self.of_stage(stage);
+        let (part, _) = of_stage.place_of(number);
+        let own = self.stage.get_mut(stage).filter(|own| {
+            !own.part.is_empty() || !own.enter.is_auto() || own.parts.is_some_and(|parts| parts != self.parts)
+        });
+        if let Some(own) = own {
+            if of_stage.parts == 1 {
+                own.enter = side;
+                own.part.iter_mut().for_each(|row| row.enter = EnterSide::Auto);
+            } else {
+                own.part = of_stage.part;
+                own.part.resize(own.part.len().max(part + 1), PartParams::default());
+                own.part[part].enter = side;
+            }
+        } else if let Some(own) = part.checked_sub(1).and_then(|i| self.more.get_mut(i)).filter(|_| self.mesh.is_some())
+        {
             own.enter = side;
         } else if self.parts == 1 || self.mesh.is_some() {
             self.enter = side;

@@ -3,8 +3,8 @@
 use files::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::ElectrodeParams;
-use super::params::{GAP, RADIAL, TURN};
+use super::params::{COLUMNS, GAP, PARTS, RADIAL, TURN};
+use super::{ElectrodeParams, EnterSide, PartParams};
 
 /// Most stages of a channel.
 const MOST: usize = 8;
@@ -21,6 +21,19 @@ pub struct StageParams {
     pub spark_gap_mm: f64,
     /// Stock that it leaves for the later stages on every surface (mm).
     pub stock_mm: f64,
+    /// Number of parts along the passage; none for that of all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts: Option<usize>,
+    /// 1, or 2 to divide every part left and right; none for that of all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<usize>,
+    /// Side of entry; automatic: that of all.
+    #[serde(skip_serializing_if = "EnterSide::is_auto")]
+    pub enter: EnterSide,
+    /// What single parts have of their own in this stage, in place of what they have in all (`[[electrode.stage.part]]`). With
+    /// another number of parts than that of all, these rows alone hold.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub part: Vec<PartParams>,
     /// Circumferential reduction of the low wall (deg); none for that of all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub low_reduction_deg: Option<f64>,
@@ -43,6 +56,10 @@ impl Default for StageParams {
             name: String::new(),
             spark_gap_mm: ElectrodeParams::default().spark_gap_mm,
             stock_mm: 0.0,
+            parts: None,
+            columns: None,
+            enter: EnterSide::Auto,
+            part: Vec::new(),
             low_reduction_deg: None,
             high_reduction_deg: None,
             radial_reduction_mm: None,
@@ -62,12 +79,14 @@ impl StageParams {
         if let Some(vdi) = self.finish_vdi {
             Invalid::unless_within("finish_vdi", vdi, VDI, "VDI")?;
         }
-        let reductions = [
+        let own = [
+            ("parts", self.parts.map(|n| n as f64), PARTS, ""),
+            ("columns", self.columns.map(|n| n as f64), COLUMNS, ""),
             ("low_reduction_deg", self.low_reduction_deg, TURN, "deg"),
             ("high_reduction_deg", self.high_reduction_deg, TURN, "deg"),
             ("radial_reduction_mm", self.radial_reduction_mm, RADIAL, "mm"),
         ];
-        let mut given = reductions.into_iter().filter_map(|(key, value, range, unit)| Some((key, value?, range, unit)));
+        let mut given = own.into_iter().filter_map(|(key, value, range, unit)| Some((key, value?, range, unit)));
         given.try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
     }
 
@@ -92,6 +111,9 @@ impl ElectrodeParams {
         }
         for (i, stage) in self.stage.iter().enumerate() {
             stage.validate().map_err(|problem| problem.within(&format!("stage[{i}]")))?;
+            if !stage.part.is_empty() {
+                self.of_stage(i).validate_parts().map_err(|problem| problem.within(&format!("stage[{i}]")))?;
+            }
             if self.stage[..i].iter().any(|before| before.name.trim() == stage.name.trim()) {
                 let remedy = "another stage has this name; give each its own";
                 return Err(Invalid::new(format!("stage[{i}].name"), &stage.name, remedy));
@@ -132,8 +154,24 @@ impl ElectrodeParams {
     /// Stage of electrode number `number`, and its number in that stage. Electrodes count from 0, those of the first stage
     /// first.
     pub fn in_stage(&self, number: usize) -> (usize, usize) {
-        let in_each = (self.count() / self.stages()).max(1);
-        (number / in_each, number % in_each)
+        let mut in_stage = number;
+        for stage in 0..self.stages() {
+            let count = self.of_stage(stage).count();
+            if in_stage < count {
+                return (stage, in_stage);
+            }
+            in_stage -= count;
+        }
+        (self.stages() - 1, number)
+    }
+
+    /// Parameters that hold for electrode number `number`: those of its stage and part.
+    #[must_use]
+    pub fn of_electrode(&self, number: usize) -> Self {
+        let (stage, number) = self.in_stage(number);
+        let of_stage = self.of_stage(stage);
+        let (part, _) = of_stage.place_of(number);
+        of_stage.of_part(part)
     }
 
     /// Row of the stage of electrode number `number`; none where no stages are given.
@@ -159,13 +197,18 @@ impl ElectrodeParams {
     }
 
     /// Parameters of the electrodes of stage `stage` as if there were no stages: the spark gap is the distance to the finished
-    /// surface, the stock of the stage included. What single parts have of their own holds in every stage.
+    /// surface, the stock of the stage included.
     #[must_use]
     pub fn of_stage(&self, stage: usize) -> Self {
         let Some(own) = self.stage.get(stage) else { return self.clone() };
         let [low, high] = self.circumferential_reduction_deg;
+        let parts = own.parts.unwrap_or(self.parts);
         Self {
             spark_gap_mm: own.undersize_mm(),
+            parts,
+            part: if own.part.is_empty() && parts == self.parts { self.part.clone() } else { own.part.clone() },
+            columns: own.columns.unwrap_or(self.columns),
+            enter: if own.enter.is_auto() { self.enter } else { own.enter },
             circumferential_reduction_deg: [
                 own.low_reduction_deg.unwrap_or(low),
                 own.high_reduction_deg.unwrap_or(high),
@@ -209,6 +252,10 @@ mod tests {
         assert_eq!([3, 4].map(|n| params.stage_of(n).unwrap().name.as_str()), ["rough", "finish"]);
         assert_eq!([3, 4].map(|n| params.burned_gap_mm(n)), [0.2, 0.05]);
         assert_eq!(params.label(4), "5 (finish)");
+        let mut uneven = params.clone();
+        (uneven.stage[0].parts, uneven.stage[0].columns) = (Some(3), Some(1));
+        assert_eq!((uneven.validate(), uneven.count()), (Ok(()), 7));
+        assert_eq!([0, 2, 3, 6].map(|n| uneven.in_stage(n)), [(0, 0), (0, 2), (1, 0), (1, 3)]);
         let none = ElectrodeParams { stage: Vec::new(), ..params };
         assert_eq!((none.count(), none.in_stage(3), none.stage_of(3)), (4, (0, 3), None));
         assert_eq!(none.label(3), "4");
@@ -225,6 +272,12 @@ mod tests {
         params.part = vec![PartParams { low_reduction_deg: Some(3.0), ..PartParams::default() }];
         assert_eq!(params.of_stage(0).of_part(0).circumferential_reduction_deg, [3.0, 0.8]);
         assert_eq!(params.of_stage(0).of_part(1).circumferential_reduction_deg, [2.0, 0.8]);
+        params.stage[1].enter = EnterSide::MinusX;
+        params.stage[1].part = vec![PartParams { high_reduction_deg: Some(0.5), ..PartParams::default() }];
+        let finish = params.of_electrode(4);
+        assert_eq!((finish.circumferential_reduction_deg, finish.enter), ([0.8, 0.5], EnterSide::MinusX));
+        params.stage[0].parts = Some(1);
+        assert_eq!(params.of_electrode(0).circumferential_reduction_deg, [2.0, 0.8], "rows of two parts");
     }
 
     #[test]
@@ -244,6 +297,13 @@ mod tests {
             "2 mm with the gap"
         );
         assert!(said(&|p| p.stage[0].finish_vdi = Some(99.0)).contains("electrode.stage[0].finish_vdi is 99"));
+        assert!(said(&|p| p.stage[0].parts = Some(21)).contains("electrode.stage[0].parts is 21"));
+        assert!(said(&|p| p.stage[0].columns = Some(3)).contains("electrode.stage[0].columns is 3"));
+        let divided = |until| PartParams { until: Some(until), ..PartParams::default() };
+        let rows = said(&|p| p.stage[1].part = vec![divided(0.5); 3]);
+        assert!(rows.contains("electrode.stage[1].part is a list of 3 rows"), "{rows}");
+        let far = said(&|p| p.stage[1].part = vec![divided(0.995)]);
+        assert!(far.contains("electrode.stage[1].part[0].until is 0.995"), "{far}");
         assert!(said(&|p| p.mesh = Some("own.stl".into())).contains("electrode.stage"));
         assert!(said(&|p| p.stage = vec![p.stage[1].clone(); 9]).contains("at most 8"));
     }

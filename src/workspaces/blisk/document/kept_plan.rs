@@ -192,10 +192,8 @@ impl KeptPlan {
             _ => 0.0,
         };
         for (number, KeptElectrode { side, h, nodes }) in self.electrodes.iter().enumerate() {
-            let (_, number) = job.electrode.in_stage(number);
-            let (part, _) = job.electrode.place_of(number);
             require(
-                job.electrode.of_part(part).enter.allows(*side),
+                job.electrode.of_electrode(number).enter.allows(*side),
                 "an electrode enters from a side that the project does not allow",
             )?;
             require((0.0..=h_max).contains(h), "an electrode has another reduction than the project allows")?;

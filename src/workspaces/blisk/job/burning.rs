@@ -19,6 +19,23 @@ use crate::workspaces::technology::read_table;
 const NO_END: &str =
     "neither a last step nor a finish is given (burning.last_step, burning.finish_vdi, or those of electrode.stage)";
 
+/// Checks, before anything is planned, that the technology of `job` has every step at which burning ends.
+///
+/// # Errors
+/// The parameter and the reason, in words.
+pub fn check_ends(job: &PlanJob) -> Result<(), String> {
+    let stages = (0..job.electrode.stages()).map(|stage| (stage, job.of_stage(stage)));
+    for (stage, until) in stages.filter_map(|(stage, of_stage)| Some((stage, of_stage.burning.until()?))) {
+        let key = match job.electrode.stage.get(stage) {
+            Some(_) => format!("electrode.stage[{stage}].last_step"),
+            None => "burning.last_step".to_owned(),
+        };
+        let table = read_table(&job.technology).map_err(|error| error.to_string())?;
+        table.check_end(&job.technology.id, &until).map_err(|error| format!("{key}: {error}"))?;
+    }
+    Ok(())
+}
+
 /// Burning of a wheel with the electrodes of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WheelBurning {
@@ -198,6 +215,7 @@ pub fn schedule_csv(schedule: &Schedule, electrodes: &[BurningElectrode]) -> Str
 mod tests {
     use super::*;
     use burning::wear::WearShare;
+    use wheel::electrode::StageParams;
 
     fn job() -> PlanJob {
         let mut job = PlanJob::demonstration();
@@ -226,6 +244,21 @@ mod tests {
         let worn = WheelBurning::of(vec![known(20.0, WearShare::Known(0.25))], 60, &job());
         assert_eq!(worn.electrodes[0].copies, Some(15), "four channels each");
         assert_eq!(worn.schedule.unwrap().changes_for_wear, 14);
+    }
+
+    #[test]
+    fn a_step_that_the_technology_does_not_have_is_told_before_the_plan() {
+        let mut of = job();
+        assert_eq!(check_ends(&of), Ok(()), "no end is none that is missing");
+        of.burning.last_step = "S1".to_owned();
+        assert_eq!(check_ends(&of), Ok(()));
+        of.burning.last_step = "S9".to_owned();
+        let said = check_ends(&of).unwrap_err();
+        assert!(said.contains("burning.last_step") && said.contains("no step S9; its steps are R3"), "{said}");
+        let stage = |last_step: &str| StageParams { last_step: last_step.to_owned(), ..StageParams::default() };
+        of.electrode.stage = vec![stage("R1"), stage("S7")];
+        let said = check_ends(&of).unwrap_err();
+        assert!(said.contains("electrode.stage[1].last_step") && said.contains("S7"), "{said}");
     }
 
     #[test]

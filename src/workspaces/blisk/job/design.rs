@@ -1,29 +1,33 @@
-//! Joint search for the sets of electrodes of a channel that take the fewest hours: numbers of parts, the planes between them,
-//! columns, sides of entry, and reductions together. Every set that is answered is certified.
+//! Joint search for the sets of electrodes of a channel that take the fewest hours: in every stage the number of parts, the planes
+//! between them, columns, sides of entry, and the reductions of every part and wall together. Every set that is answered is
+//! certified.
+
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
 use super::burning::WheelBurning;
 use super::finish::finish;
-use super::outcome::{Finishing, PlanInputs, PlanJobError, PlanOutcome};
-use super::plan::run_feeds;
+use super::outcome::{ElectrodeOutcome, Finishing, PlanInputs, PlanJobError, PlanOutcome};
 use super::prepared_blisk::PreparedBlisk;
-use super::sizing::{SizeRow, SizingRange, size};
+use super::sizing::{SizeRow, Sized, SizingRange, sizes_of_stage};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use burning::duration::Spread;
 use burning::schedule::Schedule;
+use feed::genetic::ReductionMode;
+use feed::plan_params::Strategy;
 use files::Validate as _;
 use task::Task;
 use wheel::electrode::{ElectrodeParams, PartParams, Sizing};
 
-/// Sets of electrodes that are tried.
+/// Sets of electrodes that are tried, in every stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignSpace {
     /// Greatest number of parts along the passage.
     pub most_parts: usize,
     /// Whether parts are divided left and right as well.
     pub columns: bool,
-    /// Radial reductions (mm).
+    /// Radial reductions (mm); empty: that of the stage alone.
     pub radial_reductions_mm: Vec<f64>,
     /// Planes between two parts as shares of the passage, beside the one that makes both equally thick.
     pub planes: Vec<f64>,
@@ -38,10 +42,11 @@ pub struct DesignLimits {
     pub thickness_mm: f64,
 }
 
-/// A certified set of electrodes for a channel.
+/// The electrodes of a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DesignRow {
-    /// The size, as [`size`] finds it.
+pub struct StageSet {
+    /// The size, as [`size`](super::sizing::size) finds it.
+    #[serde(flatten)]
     pub size: SizeRow,
     /// Number of columns.
     pub columns: usize,
@@ -49,6 +54,17 @@ pub struct DesignRow {
     pub radial_reduction_mm: f64,
     /// Plane between two parts as a share of the passage; none where it is found.
     pub plane: Option<f64>,
+}
+
+/// A certified set of electrodes for a channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DesignRow {
+    /// The electrodes of every stage in order; one row where the channel is burned in one.
+    pub stages: Vec<StageSet>,
+    /// The thinnest metal of any electrode between its walls (mm).
+    pub least_thickness_mm: f64,
+    /// The least certified clearance (mm).
+    pub certified_mm: f64,
     /// Number of electrodes of a channel.
     pub electrodes: usize,
     /// Number of electrodes that the wheel needs at least, with their wear as far as it is known; none where it is too large.
@@ -122,23 +138,44 @@ fn counted(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
-impl DesignRow {
-    /// The set in words.
-    pub fn words(&self) -> String {
-        let [low, high] = self.size.reduction_deg;
+impl StageSet {
+    fn words(&self) -> String {
+        let [low, high] = self.size.reduction_cells();
+        let stage = self.size.stage.as_ref().map(|stage| format!("{stage}: ")).unwrap_or_default();
         let kind = Kind {
             parts: self.size.parts,
             columns: self.columns,
-            radial_reduction_mm: self.radial_reduction_mm,
+            radial_reduction_mm: Some(self.radial_reduction_mm),
             plane: self.plane,
         };
-        format!("{}, from {}, reductions {low:.3} and {high:.3} deg", kind.words(), self.size.enter.name())
+        format!("{stage}{}, from {}, reductions {low} and {high} deg", kind.words(), self.size.enter.name())
+    }
+}
+
+impl DesignRow {
+    /// The set in words.
+    pub fn words(&self) -> String {
+        self.stages.iter().map(StageSet::words).collect::<Vec<_>>().join("; ")
+    }
+
+    /// A cell of a table that tells `of` of every stage, with `+` between the stages.
+    pub fn stage_cell(&self, of: impl Fn(&StageSet) -> String) -> String {
+        self.stages.iter().map(of).collect::<Vec<_>>().join("+")
     }
 
     /// Puts the set into `job`, with the search that found it.
     pub fn apply(&self, job: &mut PlanJob) {
+        (job.plan.strategy, job.genetic.h) = (Strategy::Global, ReductionMode::Given);
         job.electrode = self.electrode.clone();
-        self.size.apply(job);
+    }
+
+    /// `electrode` without everything that [`apply`](Self::apply) sets, of any set.
+    pub fn forget(electrode: &mut ElectrodeParams) {
+        SizeRow::forget(electrode);
+        (electrode.columns, electrode.part, electrode.radial_reduction_mm) = (1, Vec::new(), 0.0);
+        for stage in &mut electrode.stage {
+            (stage.columns, stage.part, stage.radial_reduction_mm) = (None, Vec::new(), None);
+        }
     }
 
     /// Whether applying the row would not change `job`.
@@ -176,11 +213,13 @@ fn at_least(figure: Option<String>, is_more: bool) -> String {
     figure.map_or_else(|| "–".to_owned(), |figure| if is_more { format!("≥ {figure}") } else { figure })
 }
 
-/// A kind of set.
+/// A kind of set of one stage.
+#[derive(Clone)]
 struct Kind {
     parts: usize,
     columns: usize,
-    radial_reduction_mm: f64,
+    /// Radial reduction (mm); none for that of the stage.
+    radial_reduction_mm: Option<f64>,
     plane: Option<f64>,
 }
 
@@ -188,10 +227,12 @@ impl DesignSpace {
     /// The kinds of sets, those of one part first.
     fn kinds(&self) -> Vec<Kind> {
         let mut kinds = Vec::new();
+        let given: Vec<Option<f64>> = self.radial_reductions_mm.iter().copied().map(Some).collect();
+        let radial_reductions_mm = if given.is_empty() { &[None] } else { given.as_slice() };
         for parts in 1..=self.most_parts {
             let planes = if parts == 2 { self.planes.as_slice() } else { &[] };
             for columns in 1..=1 + usize::from(self.columns) {
-                for &radial_reduction_mm in &self.radial_reductions_mm {
+                for &radial_reduction_mm in radial_reductions_mm {
                     let kind = |plane| Kind { parts, columns, radial_reduction_mm, plane };
                     kinds.extend([None].into_iter().chain(planes.iter().copied().map(Some)).map(kind));
                 }
@@ -202,33 +243,40 @@ impl DesignSpace {
 }
 
 impl Kind {
-    /// `job` for this kind.
-    fn of(&self, job: &PlanJob) -> PlanJob {
+    /// `job` with stage `stage` of this kind; single parts have no more than the plane of their own.
+    fn of(&self, job: &PlanJob, stage: usize) -> PlanJob {
         let until = self.plane.map(|plane| PartParams { until: Some(plane), ..PartParams::default() });
-        let mut stage = job.electrode.stage.clone();
-        stage.iter_mut().for_each(|stage| stage.radial_reduction_mm = None);
-        let electrode = ElectrodeParams {
-            stage,
-            parts: self.parts,
-            columns: self.columns,
-            radial_reduction_mm: self.radial_reduction_mm,
-            part: until.into_iter().collect(),
-            size: Sizing::Given,
-            ..job.electrode.clone()
-        };
-        PlanJob { electrode, ..job.clone() }
+        let part = until.into_iter().collect();
+        let mut of_kind = job.clone();
+        let electrode = &mut of_kind.electrode;
+        electrode.size = Sizing::Given;
+        match electrode.stage.get_mut(stage) {
+            Some(own) => {
+                (own.parts, own.columns, own.part) = (Some(self.parts), Some(self.columns), part);
+                own.radial_reduction_mm = self.radial_reduction_mm.or(own.radial_reduction_mm);
+                electrode.part.clear();
+            }
+            None => {
+                (electrode.parts, electrode.columns, electrode.part) = (self.parts, self.columns, part);
+                electrode.radial_reduction_mm = self.radial_reduction_mm.unwrap_or(electrode.radial_reduction_mm);
+            }
+        }
+        of_kind
     }
 
     fn words(&self) -> String {
         let plane = self.plane.map(|plane| format!(" divided at {plane}")).unwrap_or_default();
+        let radial = self.radial_reduction_mm.map(|mm| format!(", radially {mm} mm")).unwrap_or_default();
         let [parts, columns] = [counted(self.parts, "part"), counted(self.columns, "column")];
-        format!("{parts}{plane}, {columns}, radially {} mm", self.radial_reduction_mm)
+        format!("{parts}{plane}, {columns}{radial}")
     }
 }
 
-/// Sizes every kind of set in `space`, plans each size that is found, works out its minutes, wear and residual stock, and shows
-/// `found` each set. The parameters of the job beside parts, columns, reductions and sides hold for all; single parts have
-/// nothing of their own.
+/// Sizes every kind of set in `space` for every stage of the job, works out minutes, wear and residual stock of sets of them, and
+/// shows `found` each set. Where there is one stage, every size makes a set. Where there are several, the sets of one kind in all
+/// stages are first; from the fastest, the electrodes of one stage at a time are exchanged for every other size of that stage,
+/// until that makes no set faster. The parameters of the job beside parts, columns, reductions and sides hold for all; single
+/// parts have nothing of their own.
 ///
 /// # Errors
 /// Every error of a plan but those of electrodes that cannot be made, whose kinds are left out.
@@ -240,77 +288,175 @@ pub fn design(
     found: &(dyn Fn(&DesignRow) + Sync),
     task: &Task,
 ) -> Result<Design, PlanJobError> {
-    let mut design = Design::default();
     let kinds = space.kinds();
+    let stages = inputs.job.electrode.stages();
     for kind in &kinds {
-        kind.of(&inputs.job).validate()?;
+        (0..stages).try_for_each(|stage| kind.of(&inputs.job, stage).validate())?;
     }
-    for kind in &kinds {
-        let of_kind = PlanInputs { job: kind.of(&inputs.job), ..inputs.clone() };
-        let range = SizingRange { from: kind.parts, to: kind.parts };
-        let sizing = task.as_stage_about("sizing", &kind.words());
-        let sizes = match size(prepared, &of_kind, range, &|_| (), &sizing) {
-            Err(PlanJobError::Electrode(why)) => {
-                design.left_out.push(format!("{}: {why}", kind.words()));
-                continue;
-            }
-            sizes => sizes?,
-        };
-        if sizes.is_empty() {
-            let why = "no electrode has an extraction path at the reductions tried";
-            design.left_out.push(format!("{}: {why}", kind.words()));
-        }
-        for size in sizes {
-            let [low, high] = size.reduction_deg;
-            let about = format!("{}, {low:.3} and {high:.3} deg", kind.words());
-            let planning = task.as_stage_about("planning and burning", &about);
-            match evaluated(prepared, &of_kind, kind, size, limits, &planning) {
-                Ok(Ok(row)) => {
-                    found(&row);
-                    design.rows.push(row);
-                }
-                Ok(Err(why)) => design.left_out.push(format!("{}: {why}", kind.words())),
-                Err(PlanJobError::Electrode(why)) => design.left_out.push(format!("{}: {why}", kind.words())),
-                Err(other) => return Err(other),
-            }
-        }
+    let mut search =
+        Search { prepared, inputs, limits, found, task, tried: BTreeSet::new(), design: Design::default() };
+    let of_stages = (0..stages).map(|stage| search.candidates(&kinds, stage)).collect::<Result<Vec<_>, _>>()?;
+    if of_stages.iter().all(|candidates| !candidates.is_empty()) {
+        search.sets(&of_stages, kinds.len())?;
     }
+    let mut design = search.design;
     mark_best(&mut design.rows);
     Ok(design)
 }
 
-/// The set of `size`, planned and finished; or why it cannot be burned.
-fn evaluated(
-    prepared: &PreparedBlisk,
-    inputs: &PlanInputs,
-    kind: &Kind,
-    size: SizeRow,
-    limits: &DesignLimits,
-    task: &Task,
-) -> Result<Result<DesignRow, String>, PlanJobError> {
-    let mut inputs = inputs.clone();
-    size.apply(&mut inputs.job);
-    let outcome = run_feeds(prepared, &inputs, task)?;
-    if !outcome.is_verified() {
-        return Ok(Err("its whole plan is not certified".to_owned()));
-    }
-    finish(&outcome, &inputs, &prepared.space.blisk, task)?;
-    if let Some(collision) = outcome.finishing().and_then(Finishing::collision) {
-        return Ok(Err(collision.sentence()));
-    }
-    Ok(Ok(row_of(&outcome, &inputs, kind, size, limits)))
+/// The electrodes that one stage may have.
+struct Candidate {
+    /// Number of the kind.
+    of_kind: usize,
+    kind: Kind,
+    sized: Sized,
 }
 
-fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow, limits: &DesignLimits) -> DesignRow {
+/// One candidate for each stage.
+type Choice = Vec<usize>;
+
+struct Search<'a> {
+    prepared: &'a PreparedBlisk,
+    inputs: &'a PlanInputs,
+    limits: &'a DesignLimits,
+    found: &'a (dyn Fn(&DesignRow) + Sync),
+    task: &'a Task,
+    tried: BTreeSet<Choice>,
+    design: Design,
+}
+
+impl Search<'_> {
+    /// All sizes of all kinds for a stage.
+    fn candidates(&mut self, kinds: &[Kind], stage: usize) -> Result<Vec<Candidate>, PlanJobError> {
+        let name = self.inputs.job.electrode.stage.get(stage).map(|stage| format!("{}: ", stage.name));
+        let mut candidates = Vec::new();
+        for (of_kind, kind) in kinds.iter().enumerate() {
+            let words = name.clone().unwrap_or_default() + &kind.words();
+            let inputs = PlanInputs { job: kind.of(&self.inputs.job, stage), ..self.inputs.clone() };
+            let range = SizingRange { from: kind.parts, to: kind.parts };
+            let sizing = self.task.as_stage_about("sizing", &words);
+            let why = match sizes_of_stage(self.prepared, &inputs, (stage, range), &|_| (), &sizing) {
+                Err(PlanJobError::Electrode(why)) => why.to_string(),
+                Ok(sizes) if sizes.is_empty() => {
+                    "no electrode has an extraction path at the reductions tried".to_owned()
+                }
+                sizes => {
+                    let candidate = |sized| Candidate { of_kind, kind: kind.clone(), sized };
+                    candidates.extend(sizes?.into_iter().map(candidate));
+                    continue;
+                }
+            };
+            self.design.left_out.push(format!("{words}: {why}"));
+        }
+        Ok(candidates)
+    }
+
+    /// Tries the sets of one kind in all stages, and exchanges the electrodes of one stage after the other while that makes them
+    /// faster.
+    fn sets(&mut self, of_stages: &[Vec<Candidate>], kinds: usize) -> Result<(), PlanJobError> {
+        let thickest = |candidates: &[Candidate], kind: Option<usize>| {
+            let of_kind = candidates.iter().enumerate().filter(|(_, c)| kind.is_none_or(|kind| c.of_kind == kind));
+            let thickness = |c: &Candidate| c.sized.row.least_thickness_mm;
+            of_kind.max_by(|(_, a), (_, b)| thickness(a).total_cmp(&thickness(b))).map(|(i, _)| i)
+        };
+        let mut best: Option<(Choice, [f64; 2])> = None;
+        for kind in (0..kinds).map(Some).chain([None]) {
+            let same: Option<Choice> = of_stages.iter().map(|candidates| thickest(candidates, kind)).collect();
+            if let Some(choice) = same {
+                self.keep_faster(of_stages, choice, &mut best)?;
+            }
+        }
+        while let Some((from, _)) = best.clone() {
+            for (stage, candidates) in of_stages.iter().enumerate().rev() {
+                for other in 0..candidates.len() {
+                    let mut choice = best.as_ref().map_or_else(|| from.clone(), |(choice, _)| choice.clone());
+                    choice[stage] = other;
+                    self.keep_faster(of_stages, choice, &mut best)?;
+                }
+            }
+            if best.as_ref().is_some_and(|(choice, _)| *choice == from) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tries a set that was not tried before; it is the best from now on if it breaks fewer limits, or as many and takes fewer
+    /// hours. A set that cannot be burned is no worse to go on from than none.
+    fn keep_faster(
+        &mut self,
+        of_stages: &[Vec<Candidate>],
+        choice: Choice,
+        best: &mut Option<(Choice, [f64; 2])>,
+    ) -> Result<(), PlanJobError> {
+        if !self.tried.insert(choice.clone()) {
+            return Ok(());
+        }
+        let of_set: Vec<&Candidate> = of_stages.iter().zip(&choice).map(|(candidates, i)| &candidates[*i]).collect();
+        let words: Vec<String> = of_set.iter().map(|candidate| candidate.words()).collect();
+        let burning = self.task.as_stage_about("burning", &words.join("; "));
+        let cost = match self.evaluated(&of_set, &burning)? {
+            Ok(row) => {
+                (self.found)(&row);
+                let minutes = row.wheel.map_or(f64::INFINITY, |wheel| wheel.mean);
+                let breaks = row.breaks.len() as f64;
+                self.design.rows.push(row);
+                [breaks, minutes]
+            }
+            Err(why) => {
+                self.design.left_out.push(format!("{}: {why}", words.join("; ")));
+                [f64::INFINITY; 2]
+            }
+        };
+        if best.as_ref().is_none_or(|(_, least)| cost < *least) {
+            *best = Some((choice, cost));
+        }
+        Ok(())
+    }
+
+    /// The set of one candidate for each stage, finished; or why it cannot be burned.
+    fn evaluated(&self, of_set: &[&Candidate], task: &Task) -> Result<Result<DesignRow, String>, PlanJobError> {
+        let mut inputs = self.inputs.clone();
+        let electrodes: Vec<ElectrodeOutcome> =
+            of_set.iter().flat_map(|candidate| candidate.sized.electrodes.iter().cloned()).collect();
+        for (stage, Candidate { kind, sized, .. }) in of_set.iter().enumerate() {
+            inputs.job = kind.of(&inputs.job, stage);
+            sized.row.apply(&mut inputs.job);
+        }
+        inputs.job.validate()?;
+        let outcome = PlanOutcome::new(self.prepared.space.channel.clone(), electrodes, Vec::new());
+        finish(&outcome, &inputs, &self.prepared.space.blisk, task)?;
+        if let Some(collision) = outcome.finishing().and_then(Finishing::collision) {
+            return Ok(Err(collision.sentence()));
+        }
+        let stage_set = |(stage, Candidate { kind, sized, .. }): (usize, &&Candidate)| StageSet {
+            size: sized.row.clone(),
+            columns: kind.columns,
+            radial_reduction_mm: inputs.job.electrode.of_stage(stage).radial_reduction_mm,
+            plane: kind.plane,
+        };
+        let stages = of_set.iter().enumerate().map(stage_set).collect();
+        Ok(Ok(row_of(&outcome, &inputs, stages, self.limits)))
+    }
+}
+
+impl Candidate {
+    fn words(&self) -> String {
+        let [low, high] = self.sized.row.reduction_cells();
+        let stage = self.sized.row.stage.as_ref().map(|stage| format!("{stage}: ")).unwrap_or_default();
+        format!("{stage}{}, {low} and {high} deg", self.kind.words())
+    }
+}
+
+fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, stages: Vec<StageSet>, limits: &DesignLimits) -> DesignRow {
     let burning = WheelBurning::of_job(outcome, &inputs.job);
     let burning = burning.as_ref();
     let stock = outcome.residual_stock();
     let thickest = stock.map(|stock| stock.thickest().map(|(_, layer)| layer));
     let residual_mm = thickest.map(|layer| layer.map_or(0.0, |layer| layer.depth_mm));
     let is_more_left = thickest.flatten().is_some_and(|layer| layer.or_more);
-    let thicknesses = outcome.electrodes.iter().map(|e| e.electrode.least_thickness_mm);
-    // Sizes are those of the last stage, and roughing electrodes are thinner.
-    let size = SizeRow { least_thickness_mm: thicknesses.fold(f64::INFINITY, f64::min), ..size };
+    let least = |of: fn(&SizeRow) -> f64| stages.iter().map(|stage| of(&stage.size)).fold(f64::INFINITY, f64::min);
+    let [least_thickness_mm, certified_mm] = [least(|size| size.least_thickness_mm), least(|size| size.certified_mm)];
     let needed = burning.and_then(|of| of.electrodes.iter().map(|electrode| electrode.copies).sum());
     let mut breaks = Vec::new();
     match (limits.residual_mm, residual_mm) {
@@ -321,8 +467,8 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
         (Some(most), None) => breaks.push(format!("residual stock not known for {most} mm")),
         _ => {}
     }
-    if size.least_thickness_mm < limits.thickness_mm {
-        breaks.push(format!("thickness {:.3} mm for {} mm", size.least_thickness_mm, limits.thickness_mm));
+    if least_thickness_mm < limits.thickness_mm {
+        breaks.push(format!("thickness {least_thickness_mm:.3} mm for {} mm", limits.thickness_mm));
     }
     if burning.is_some() && needed.is_none() {
         breaks.push("the wear asks for too many electrodes".to_owned());
@@ -331,9 +477,9 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
         breaks.push("the setting errors do not hold".to_owned());
     }
     DesignRow {
-        columns: kind.columns,
-        radial_reduction_mm: kind.radial_reduction_mm,
-        plane: kind.plane,
+        stages,
+        least_thickness_mm,
+        certified_mm,
         electrodes: outcome.electrodes.len(),
         needed,
         is_wear_known: burning.is_some_and(|of| of.electrodes.iter().all(|e| e.figures.is_wear_known())),
@@ -347,7 +493,6 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
         breaks,
         is_best: false,
         electrode: inputs.job.electrode.clone(),
-        size,
     }
 }
 
@@ -374,13 +519,14 @@ pub fn mark_best(rows: &mut [DesignRow]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wheel::electrode::EnterSide;
+    use wheel::electrode::{EnterSide, StageParams};
 
     fn row(minutes: Option<f64>, needed: usize, residual_mm: f64, breaks: &[&str]) -> DesignRow {
         let size = SizeRow {
+            stage: None,
             parts: needed,
             enter: EnterSide::MinusX,
-            reduction_deg: [1.0, 1.5],
+            reduction_deg: vec![[1.0, 1.5]],
             least_thickness_mm: 2.0,
             volume_mm3: 100.0,
             certified_mm: 0.099,
@@ -388,10 +534,9 @@ mod tests {
             raised_deg: 0.0,
         };
         DesignRow {
-            size,
-            columns: 1,
-            radial_reduction_mm: 0.5,
-            plane: None,
+            stages: vec![StageSet { size, columns: 1, radial_reduction_mm: 0.5, plane: None }],
+            least_thickness_mm: 2.0,
+            certified_mm: 0.099,
             electrodes: needed,
             needed: Some(needed),
             is_wear_known: true,
@@ -455,8 +600,18 @@ mod tests {
         words.sort();
         words.dedup();
         assert_eq!(words.len(), kinds.len());
-        let applied = kinds.iter().find(|kind| kind.plane == Some(0.4)).unwrap().of(&PlanJob::demonstration());
+        let applied = kinds.iter().find(|kind| kind.plane == Some(0.4)).unwrap().of(&PlanJob::demonstration(), 0);
         assert_eq!((applied.electrode.parts, applied.electrode.part[0].until), (2, Some(0.4)));
         applied.validate().unwrap();
+        let mut job = PlanJob::demonstration();
+        let stage =
+            |name: &str, spark_gap_mm| StageParams { name: name.to_owned(), spark_gap_mm, ..Default::default() };
+        job.electrode.stage = vec![stage("rough", 0.3), stage("finish", 0.1)];
+        let kind = |parts, radial_reduction_mm| Kind { parts, columns: 1, radial_reduction_mm, plane: None };
+        let staged = kind(2, None).of(&kind(1, Some(0.7)).of(&job, 0), 1);
+        let [rough, finish] = [0, 1].map(|stage| staged.electrode.of_stage(stage));
+        assert_eq!((rough.parts, rough.radial_reduction_mm), (1, 0.7));
+        assert_eq!((finish.parts, finish.radial_reduction_mm), (2, job.electrode.radial_reduction_mm));
+        staged.validate().unwrap();
     }
 }

@@ -59,8 +59,8 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     simulate::check_machine(job, task)?;
     let mut channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
     channel.obstacles = inputs.obstacles.clone();
-    for part in 0..job.electrode.parts {
-        sides_of(job, &channel, part)?;
+    for number in 0..job.electrode.count() {
+        sides(job, &channel, number)?;
     }
     simulate::check_channels(job, &channel)?;
     let blisk = Arc::new(channel.wheel_in_w(&inputs.blisk));
@@ -191,10 +191,9 @@ impl JobPlanner<'_> {
         let mut impossible = Vec::new();
         let mut tried = Vec::new();
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
-        let (along_passage, _) = job.electrode.place_of(part);
         let left_out = job
             .electrode
-            .of_part(along_passage)
+            .of_electrode(part)
             .enter
             .candidates(channel)?
             .into_iter()
@@ -403,16 +402,6 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
     (outcome.plan.is_verified(), outcome.plan.path.is_some(), withdrawn)
 }
 
-/// The sides that part `part` along the passage of `channel` may enter from, those at the first station first.
-///
-/// # Errors
-/// If the passage opens to none of them, or the machine's bodies stand for heads that come from elsewhere.
-pub(super) fn sides_of(job: &PlanJob, channel: &Channel, part: usize) -> Result<Vec<EntrySide>, PlanJobError> {
-    let mut sides = job.electrode.of_part(part).enter.candidates(channel)?;
-    sides.retain(|side| job.machine.comes_from(*side));
-    if sides.is_empty() { Err(head_comes_from_elsewhere(job)) } else { Ok(sides) }
-}
-
 /// The refusal of electrodes that enter from where the head of the machine does not come from.
 pub(super) fn head_comes_from_elsewhere(job: &PlanJob) -> PlanJobError {
     let (left, other, example) = match job.machine.head_along {
@@ -427,15 +416,20 @@ pub(super) fn head_comes_from_elsewhere(job: &PlanJob) -> PlanJobError {
     ))
 }
 
-/// The sides to try for electrode number `number` along the passage, the one that its part is nearer to first.
+/// The sides that electrode number `number` may enter from, the one that its part is nearer to first.
 ///
 /// # Errors
-/// Every error of [`sides_of`].
+/// If the passage opens to none of them, or the machine's bodies stand for heads that come from elsewhere.
 pub(super) fn sides(job: &PlanJob, channel: &Channel, number: usize) -> Result<Vec<EntrySide>, PlanJobError> {
-    let (_, number) = job.electrode.in_stage(number);
-    let (part, _) = job.electrode.place_of(number);
-    let mut sides = sides_of(job, channel, part)?;
-    if part > 0 && 2 * part >= job.electrode.parts {
+    let (stage, in_stage) = job.electrode.in_stage(number);
+    let of_stage = job.electrode.of_stage(stage);
+    let (part, _) = of_stage.place_of(in_stage);
+    let mut sides = of_stage.of_part(part).enter.candidates(channel)?;
+    sides.retain(|side| job.machine.comes_from(*side));
+    if sides.is_empty() {
+        return Err(head_comes_from_elsewhere(job));
+    }
+    if part > 0 && 2 * part >= of_stage.parts {
         sides.reverse();
     }
     Ok(sides)

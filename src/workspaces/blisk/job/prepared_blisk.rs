@@ -89,12 +89,12 @@ impl PreparedBlisk {
         (part, side): (usize, EntrySide),
         task: &Task,
     ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
-        let (along, _) = inputs.job.electrode.place_of(part);
-        let reductions = inputs.job.electrode.of_part(along).circumferential_reduction_deg;
+        let of_part = inputs.job.electrode.of_electrode(part);
+        let reductions = of_part.circumferential_reduction_deg;
         let is_own = !inputs.own_electrodes.is_empty();
         let made_with = |share: f64| {
             let mut full = inputs.clone();
-            full.job.electrode = inputs.job.electrode.of_part(along);
+            full.job.electrode = of_part.clone();
             let mut drawn_in = [0.0; 2];
             if !is_own {
                 full.job.electrode.circumferential_reduction_deg = reductions.map(|deg| share * deg);
@@ -173,9 +173,8 @@ pub(super) fn electrode_of(
             Electrode { part, parts: inputs.electrodes(), ..made }
         }
         None => {
-            let (stage, in_stage) = params.in_stage(part);
-            let of_stage = params.of_stage(stage);
-            let mut of_part = of_stage.of_part(of_stage.place_of(in_stage).0);
+            let (_, in_stage) = params.in_stage(part);
+            let mut of_part = params.of_electrode(part);
             of_part.circumferential_reduction_deg.iter_mut().for_each(|deg| *deg += h.to_degrees());
             let made = make_electrode(channel, exact, &of_part, (in_stage, side), task)?;
             Electrode { stage: params.stage_of(part).map(|stage| stage.name.clone()), ..made }

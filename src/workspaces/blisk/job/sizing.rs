@@ -1,10 +1,10 @@
-//! Automatic sizing: the thickest electrodes that come out, for one part and more, on either side.
+//! Automatic sizing: the thickest electrodes that come out, for one part and more, on either side, in every stage.
 
 use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use super::outcome::{ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::{run_feeds, settings_of, sides};
 use super::prepared_blisk::{PreparedBlisk, is_mended_by_less};
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -17,7 +17,9 @@ use feed::sizing::{Least, Sizer};
 use files::Validate as _;
 use task::Task;
 use wheel::channel::Surface;
-use wheel::electrode::{ElectrodeError, EnterSide, EntrySide, Sizing as SizeMode, own_turns};
+use wheel::electrode::{
+    Column, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, PartParams, Sizing as SizeMode, own_turns,
+};
 
 /// What is sized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,15 +30,18 @@ pub struct SizingRange {
     pub to: usize,
 }
 
-/// A certified way to make the electrodes.
+/// A certified way to make the electrodes of a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SizeRow {
+    /// Name of the stage; none where the channel is burned in one.
+    pub stage: Option<String>,
     /// Number of parts.
     pub parts: usize,
     /// The side they enter from.
     pub enter: EnterSide,
-    /// Circumferential reductions of the low and the high wall (deg).
-    pub reduction_deg: [f64; 2],
+    /// Circumferential reductions of the low and the high wall (deg): a row that holds for all parts, or one for each part along
+    /// the passage.
+    pub reduction_deg: Vec<[f64; 2]>,
     /// The thinnest metal of any of the parts between its walls (mm).
     pub least_thickness_mm: f64,
     /// Volume of all parts with shank and holder (mm^3).
@@ -50,22 +55,57 @@ pub struct SizeRow {
 }
 
 impl SizeRow {
-    /// Puts parts, side and reductions of the row into `job`, with the search that found them; with another number of parts than
-    /// before its single parts have nothing of their own.
+    /// Puts parts, side and reductions of the row into its stage of `job`, with the search that found them; with another number
+    /// of parts than before its single parts have nothing of their own.
     pub fn apply(&self, job: &mut PlanJob) {
         (job.plan.strategy, job.genetic.h) = (Strategy::Global, ReductionMode::Given);
         let electrode = &mut job.electrode;
-        if electrode.parts != self.parts {
-            (electrode.parts, electrode.part) = (self.parts, Vec::new());
-        }
-        for part in &mut electrode.part {
-            (part.low_reduction_deg, part.high_reduction_deg) = (None, None);
-        }
-        if let Some(last) = electrode.stage.last_mut() {
-            (last.low_reduction_deg, last.high_reduction_deg) = (None, None);
-        }
-        (electrode.circumferential_reduction_deg, electrode.enter) = (self.reduction_deg, self.enter);
         electrode.size = SizeMode::Given;
+        let stage = electrode.stage.iter().position(|stage| Some(&stage.name) == self.stage.as_ref());
+        let mut sized = electrode.of_stage(stage.unwrap_or_default());
+        with_parts(&mut sized, self.parts);
+        reduce(&mut sized, &self.reduction_deg);
+        sized.enter = self.enter;
+        let Some(own) = stage.and_then(|stage| electrode.stage.get_mut(stage)) else {
+            let ElectrodeParams { parts, part, enter, circumferential_reduction_deg, .. } = sized;
+            *electrode = ElectrodeParams { parts, part, enter, circumferential_reduction_deg, ..electrode.clone() };
+            return;
+        };
+        own.parts = (self.parts != electrode.parts).then_some(self.parts);
+        own.part = if own.parts.is_none() && sized.part == electrode.part { Vec::new() } else { sized.part };
+        own.enter = if self.enter == electrode.enter { EnterSide::Auto } else { self.enter };
+        [own.low_reduction_deg, own.high_reduction_deg] = sized.circumferential_reduction_deg.map(Some);
+    }
+
+    /// `electrode` without everything that [`apply`](Self::apply) sets, of any row.
+    pub fn forget(electrode: &mut ElectrodeParams) {
+        (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, SizeMode::Given);
+        let unsized_rows = |part: &mut Vec<PartParams>| {
+            for row in part.iter_mut() {
+                (row.low_reduction_deg, row.high_reduction_deg) = (None, None);
+            }
+            part.truncate(part.iter().rposition(|row| *row != PartParams::default()).map_or(0, |last| last + 1));
+        };
+        electrode.circumferential_reduction_deg = [0.0; 2];
+        unsized_rows(&mut electrode.part);
+        for stage in &mut electrode.stage {
+            (stage.parts, stage.enter) = (None, EnterSide::Auto);
+            (stage.low_reduction_deg, stage.high_reduction_deg) = (None, None);
+            unsized_rows(&mut stage.part);
+        }
+    }
+
+    /// The reductions of the low and the high wall, those of the parts with strokes between where they differ.
+    pub fn reduction_cells(&self) -> [String; 2] {
+        [0, 1].map(|wall| {
+            let of_parts: Vec<String> = self.reduction_deg.iter().map(|walls| format!("{:.3}", walls[wall])).collect();
+            of_parts.join("/")
+        })
+    }
+
+    /// The greatest reduction (deg).
+    pub fn most_deg(&self) -> f64 {
+        self.reduction_deg.iter().flatten().copied().fold(0.0, f64::max)
     }
 
     /// Whether applying the row would not change `job`.
@@ -120,9 +160,10 @@ const LOWER: [f64; 3] = [2.0, 1.0, 4.0];
 /// Most plans that are tried so for a row.
 const MOST_LOWERED: usize = 10;
 
-/// Sizes the electrodes of the job, or of its last stage, for every number of parts in `range`, and shows `found` each row as it is certified.
-/// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
-/// brings most on the better side; for more parts, or columns, they are equal, the greatest that any of them needs.
+/// Sizes the electrodes of every stage of the job for every number of parts in `range`, and shows `found` each row as it is
+/// certified. For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
+/// brings most on the better side; for more parts, or columns, they are equal first, the greatest that any of them needs, and
+/// then for each wall of each part as little as it needs.
 ///
 /// # Errors
 /// Every error of a plan. No reduction that opens a way is not an error, but a row less.
@@ -133,22 +174,43 @@ pub fn size(
     found: &(dyn Fn(&SizeRow) + Sync),
     task: &Task,
 ) -> Result<Vec<SizeRow>, PlanJobError> {
+    let mut rows = Vec::new();
+    for stage in 0..inputs.job.electrode.stages() {
+        rows.extend(sizes_of_stage(prepared, inputs, (stage, range), found, task)?.into_iter().map(|sized| sized.row));
+    }
+    Ok(rows)
+}
+
+/// A row with the electrodes that were planned for it.
+pub(super) struct Sized {
+    pub row: SizeRow,
+    pub electrodes: Vec<ElectrodeOutcome>,
+}
+
+/// The rows of one stage of the job; see [`size`].
+///
+/// # Errors
+/// Every error of [`size`].
+pub(super) fn sizes_of_stage(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    (stage, range): (usize, SizingRange),
+    found: &(dyn Fn(&SizeRow) + Sync),
+    task: &Task,
+) -> Result<Vec<Sized>, PlanJobError> {
     if !inputs.own_electrodes.is_empty() {
         return Err(PlanJobError::Job(
             "an electrode mesh of your own has the size it has; remove it to size".to_owned(),
         ));
     }
-    // The last stage has the least gap and makes the surface; those before follow it.
-    let (mut base, _) = inputs.of_electrode(inputs.job.electrode.count() - 1);
+    let mut base = PlanInputs { job: inputs.job.of_stage(stage), ..inputs.clone() };
     base.job.plan.strategy = Strategy::Global;
     base.job.genetic.h = ReductionMode::Given;
     base.job.electrode.size = SizeMode::Given;
-    base.job.electrode.circumferential_reduction_deg = [0.0; 2];
-    for part in &mut base.job.electrode.part {
-        (part.low_reduction_deg, part.high_reduction_deg) = (None, None);
-    }
+    reduce(&mut base.job.electrode, &[[0.0; 2]]);
     base.job.validate()?;
-    let sizing = Sizing { prepared, base, found, task };
+    let name = inputs.job.electrode.stage.get(stage).map(|stage| stage.name.clone());
+    let sizing = Sizing { prepared, base, stage: name, found, task };
     let mut rows = Vec::new();
     for parts in range.from..=range.to {
         let single = parts == 1 && sizing.base.job.electrode.columns == 1;
@@ -157,9 +219,10 @@ pub fn size(
     Ok(rows)
 }
 
-/// `[electrode] size = "auto"`: `inputs` with the reductions, and the side of entry, of the thickest electrodes that
-/// come out in as many parts as it asks for, to be planned with the strategy that found them; and the row they come
-/// from. With the reductions that it gives, and no row, if none lets them out: planning these tells where they jam.
+/// `[electrode] size = "auto"`: `inputs` with the reductions, and the sides of entry, of the thickest electrodes that
+/// come out in as many parts as every stage asks for, to be planned with the strategy that found them; and the row of each stage.
+/// A stage keeps the reductions that it gives, and has no row, if none lets its electrodes out: planning these tells where they
+/// jam.
 ///
 /// # Errors
 /// Every error of [`size`].
@@ -167,23 +230,50 @@ pub fn auto_sized(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
     task: &Task,
-) -> Result<(PlanInputs, Option<SizeRow>), PlanJobError> {
+) -> Result<(PlanInputs, Vec<Option<SizeRow>>), PlanJobError> {
     let mut sized = inputs.clone();
-    let electrode = &mut sized.job.electrode;
-    let parts = electrode.parts;
-    electrode.size = SizeMode::Given;
-    let range = SizingRange { from: parts, to: parts };
-    let rows = size(prepared, &sized, range, &|_| (), task)?;
-    let thickest = rows.into_iter().max_by(|a, b| a.least_thickness_mm.total_cmp(&b.least_thickness_mm));
-    if let Some(row) = &thickest {
-        row.apply(&mut sized.job);
+    sized.job.electrode.size = SizeMode::Given;
+    let mut rows = Vec::new();
+    for stage in 0..inputs.job.electrode.stages() {
+        let parts = inputs.job.electrode.of_stage(stage).parts;
+        let range = SizingRange { from: parts, to: parts };
+        let found = sizes_of_stage(prepared, inputs, (stage, range), &|_| (), task)?.into_iter();
+        let thickest = found.max_by(|a, b| a.row.least_thickness_mm.total_cmp(&b.row.least_thickness_mm));
+        let row = thickest.map(|sized| sized.row);
+        row.iter().for_each(|row| row.apply(&mut sized.job));
+        rows.push(row);
     }
-    Ok((sized, thickest))
+    Ok((sized, rows))
+}
+
+/// Divides the channel between so many parts; with another number than before, single parts have nothing of their own.
+fn with_parts(electrode: &mut ElectrodeParams, parts: usize) {
+    if electrode.parts != parts {
+        (electrode.parts, electrode.part) = (parts, Vec::new());
+    }
+}
+
+/// Gives the walls of `electrode`, which has no stages, the reductions of a row (deg).
+fn reduce(electrode: &mut ElectrodeParams, reduction_deg: &[[f64; 2]]) {
+    let most = |wall: usize| reduction_deg.iter().map(|walls| walls[wall]).fold(0.0, f64::max);
+    electrode.circumferential_reduction_deg = [most(0), most(1)];
+    for row in &mut electrode.part {
+        (row.low_reduction_deg, row.high_reduction_deg) = (None, None);
+    }
+    if let [_, _, ..] = reduction_deg {
+        electrode.part.resize(reduction_deg.len(), PartParams::default());
+        for (row, [low, high]) in electrode.part.iter_mut().zip(reduction_deg) {
+            (row.low_reduction_deg, row.high_reduction_deg) = (Some(*low), Some(*high));
+        }
+    }
 }
 
 struct Sizing<'a> {
     prepared: &'a PreparedBlisk,
+    /// The job of the stage, as if it were the only one.
     base: PlanInputs,
+    /// Name of the stage.
+    stage: Option<String>,
     found: &'a (dyn Fn(&SizeRow) + Sync),
     task: &'a Task,
 }
@@ -204,7 +294,7 @@ impl Full {
 }
 
 impl Sizing<'_> {
-    fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+    fn one_part(&self, rows: &mut Vec<Sized>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
         let (mut impossible, mut possible) = (Vec::new(), false);
         for side in sides(&self.of(1).job, &self.prepared.space.channel, 0)? {
@@ -219,10 +309,10 @@ impl Sizing<'_> {
             let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| full.turns([h, h]));
             let Some(least) = self.sized(&full, equal)? else { continue };
             let angle = least.angle.max(full.reduction);
-            let Some(row) = self.certified(1, only(side), [angle; 2], 0)? else { continue };
-            let row = self.lowered(row)?;
-            let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
-            self.show(row, rows);
+            let Some(sized) = self.certified((1, only(side)), &[[angle; 2]], 0)? else { continue };
+            let sized = self.lowered(sized)?;
+            let least = Least { angle: sized.row.most_deg().to_radians(), ..least };
+            self.show(sized, rows);
             if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
                 best = Some((side, least));
             }
@@ -232,45 +322,47 @@ impl Sizing<'_> {
             return Err(error.into());
         }
         if let Some((side, least)) = best {
-            let equal = rows.iter().filter(|r| r.enter == only(side)).map(|r| r.least_thickness_mm).fold(0.0, f64::max);
-            if let Some(row) = self.unequal(side, &least)?.filter(|row| row.least_thickness_mm >= equal) {
-                self.show(row, rows);
+            let of_side = rows.iter().map(|sized| &sized.row).filter(|row| row.enter == only(side));
+            let thickest = of_side.map(|row| row.least_thickness_mm).fold(0.0, f64::max);
+            let walls = self.unequal(&self.full(1, 0, side)?, &least)?;
+            // Where neither can be less, that row is there.
+            if walls != [least.angle; 2]
+                && let Some(sized) = self.certified((1, only(side)), &[walls], 0)?
+                && sized.row.least_thickness_mm >= thickest
+            {
+                self.show(sized, rows);
             }
         }
         Ok(())
     }
 
-    fn show(&self, row: SizeRow, rows: &mut Vec<SizeRow>) {
-        (self.found)(&row);
-        rows.push(row);
+    fn show(&self, sized: Sized, rows: &mut Vec<Sized>) {
+        (self.found)(&sized.row);
+        rows.push(sized);
     }
 
-    /// With one wall as far drawn in as both need, the other is drawn in as little as it can be; the better of the two
-    /// ways round.
-    fn unequal(&self, side: EntrySide, equal: &Least) -> Result<Option<SizeRow>, PlanJobError> {
-        let full = self.full(1, 0, side)?;
+    /// Reductions of both walls of `full` (rad): with one wall as far drawn in as both need, the other is drawn in as little as it
+    /// can be; the better of the two ways round.
+    fn unequal(&self, full: &Full, equal: &Least) -> Result<[f64; 2], PlanJobError> {
         let angle = equal.angle;
         let below = |turns: &dyn Fn(f64) -> [f64; 2]| {
             let turns = |h: f64| full.turns(turns(h));
             let least =
-                self.sized(&full, |sizer| sizer.warm_started_down(equal.clone(), sizer.nothing_blocked(), &turns))?;
+                self.sized(full, |sizer| sizer.warm_started_down(equal.clone(), sizer.nothing_blocked(), &turns))?;
             Ok::<_, PlanJobError>(least.angle.max(full.reduction))
         };
         let low = below(&|h| [h, angle])?;
         let high = below(&|h| [angle, h])?;
-        let turns = if high < low { [angle, high] } else { [low, angle] };
-        if turns == [angle; 2] {
-            // Neither can be less: that row is there.
-            return Ok(None);
-        }
-        self.certified(1, only(side), turns, 0)
+        Ok(if high < low { [angle, high] } else { [low, angle] })
     }
 
-    fn many(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+    fn many(&self, parts: usize, rows: &mut Vec<Sized>) -> Result<(), PlanJobError> {
         let inputs = self.of(parts);
         let (mut most, mut limiting) = (0.0f64, 0);
+        let mut walls = vec![[0.0f64; 2]; parts];
         for number in 0..inputs.electrodes() {
-            let mut least: Option<Least> = None;
+            let (part, column) = inputs.job.electrode.place_of(number);
+            let mut least: Option<(Least, Full)> = None;
             let (mut impossible, mut possible) = (Vec::new(), false);
             for side in sides(&inputs.job, &self.prepared.space.channel, number)? {
                 let full = match self.full(parts, number, side) {
@@ -281,25 +373,33 @@ impl Sizing<'_> {
                     full => full?,
                 };
                 possible = true;
-                // What another one needs already costs nothing more.
                 let first = most.max(0.5 * FIRST_DEG.to_radians());
-                let turns = |h: f64| full.turns([h.max(most); 2]);
-                least = self.sized(&full, |sizer| sizer.least(first, &turns))?;
-                if let Some(least) = &mut least {
-                    least.angle = least.angle.max(full.reduction);
+                let turns = |h: f64| full.turns([h; 2]);
+                if let Some(found) = self.sized(&full, |sizer| sizer.least(first, &turns))? {
+                    least = Some((Least { angle: found.angle.max(full.reduction), ..found }, full));
                     break;
                 }
             }
             if let Some(error) = ElectrodeError::of_sides(impossible).filter(|_| !possible) {
                 return Err(error.into());
             }
-            let Some(least) = least else { return Ok(()) };
+            let Some((least, full)) = least else { return Ok(()) };
             if least.angle > most {
                 (most, limiting) = (least.angle, number);
             }
+            match column {
+                None => walls[part] = self.unequal(&full, &least)?,
+                Some(Column::Low) => walls[part][0] = least.angle,
+                Some(Column::High) => walls[part][1] = least.angle,
+            }
         }
-        if let Some(row) = self.certified(parts, self.base.job.electrode.enter, [most; 2], limiting)? {
-            self.show(row, rows);
+        let way = (parts, self.base.job.electrode.enter);
+        if let Some(sized) = self.certified(way, &[[most; 2]], limiting)? {
+            self.show(sized, rows);
+        }
+        let is_less = walls.iter().flatten().any(|wall| *wall < most - TOLERANCE_DEG.to_radians());
+        if is_less && let Some(sized) = self.certified(way, &walls, limiting)? {
+            self.show(sized, rows);
         }
         Ok(())
     }
@@ -321,10 +421,7 @@ impl Sizing<'_> {
     /// their own.
     fn of(&self, parts: usize) -> PlanInputs {
         let mut inputs = self.base.clone();
-        let electrode = &mut inputs.job.electrode;
-        if electrode.parts != parts {
-            (electrode.parts, electrode.part) = (parts, Vec::new());
-        }
+        with_parts(&mut inputs.job.electrode, parts);
         inputs
     }
 
@@ -343,81 +440,88 @@ impl Sizing<'_> {
         })?)
     }
 
-    /// The row for reductions (rad), with a little more where the certificate asks for it; electrode number `limiting`
-    /// from 0 needs them.
+    /// The row for reductions (rad) of all parts or of each, with a little more where the certificate asks for it; electrode number
+    /// `limiting` from 0 needs the most.
     fn certified(
         &self,
-        parts: usize,
-        enter: EnterSide,
-        turns: [f64; 2],
+        (parts, enter): (usize, EnterSide),
+        walls: &[[f64; 2]],
         limiting: usize,
-    ) -> Result<Option<SizeRow>, PlanJobError> {
+    ) -> Result<Option<Sized>, PlanJobError> {
         let mut inputs = self.of(parts);
         inputs.job.electrode.enter = enter;
-        for raise in 0..=RAISES {
-            let more = raise as f64 * TOLERANCE_DEG;
-            if let Some(row) = self.planned(&mut inputs, turns.map(|t| t.to_degrees() + more), limiting)? {
-                return Ok(Some(SizeRow { raised_deg: more, ..row }));
+        let mut raises = vec![0; walls.len()];
+        for _ in 0..=RAISES {
+            let more = |part: usize| raises[part] as f64 * TOLERANCE_DEG;
+            let raised = walls.iter().enumerate().map(|(part, walls)| walls.map(|wall| wall.to_degrees() + more(part)));
+            let raised_deg = raises.iter().max().map_or(0.0, |raises| f64::from(*raises) * TOLERANCE_DEG);
+            match self.planned(&mut inputs, raised.collect(), limiting)? {
+                Ok(sized) => return Ok(Some(Sized { row: SizeRow { raised_deg, ..sized.row }, ..sized })),
+                Err(outcome) if walls.len() > 1 => {
+                    let failed = outcome.electrodes.iter().filter(|e| !e.plan.is_verified());
+                    let mut parts: Vec<usize> = failed.map(|e| e.electrode.part).collect();
+                    parts.dedup();
+                    parts.into_iter().for_each(|part| raises[part] += 1);
+                }
+                Err(_) => raises[0] += 1,
             }
         }
         Ok(None)
     }
 
-    /// `row`, which has one part and equal reductions, or one of less reduction that a whole plan reaches: a plan needs
+    /// `sized`, which has one part and equal reductions, or one of less reduction that a whole plan reaches: a plan needs
     /// less clearance in its fields than the search for the least, and repairs what its certificate rejects.
-    fn lowered(&self, mut row: SizeRow) -> Result<SizeRow, PlanJobError> {
+    fn lowered(&self, mut sized: Sized) -> Result<Sized, PlanJobError> {
         let mut inputs = self.of(1);
-        inputs.job.electrode.enter = row.enter;
+        inputs.job.electrode.enter = sized.row.enter;
         let mut left = LOWER.iter();
         let mut plans = 0;
         while let Some(step) = left.next().filter(|_| plans < MOST_LOWERED) {
             plans += 1;
-            let lower = row.reduction_deg.map(|deg| deg - step * TOLERANCE_DEG);
-            if lower[0] > 0.0
-                && let Some(found) = self.planned(&mut inputs, lower, 0)?
+            let lower = sized.row.most_deg() - step * TOLERANCE_DEG;
+            if lower > 0.0
+                && let Ok(found) = self.planned(&mut inputs, vec![[lower; 2]], 0)?
             {
-                row = found;
+                sized = found;
                 left = LOWER.iter();
             }
         }
-        Ok(row)
+        Ok(sized)
     }
 
-    /// The row of the plan for reductions (deg), if it is certified.
+    /// The row of the plan for reductions (deg), if it is certified; otherwise the plan.
     fn planned(
         &self,
         inputs: &mut PlanInputs,
-        reduction_deg: [f64; 2],
+        reduction_deg: Vec<[f64; 2]>,
         limiting: usize,
-    ) -> Result<Option<SizeRow>, PlanJobError> {
+    ) -> Result<Result<Sized, PlanOutcome>, PlanJobError> {
         // To a thousandth, upwards: what is shown is what was planned.
-        let reduction = reduction_deg.map(|deg| (deg * 1e3).ceil() / 1e3);
-        let electrode = &mut inputs.job.electrode;
-        electrode.circumferential_reduction_deg = reduction;
-        let (parts, enter) = (electrode.parts, electrode.enter);
-        let outcome = run_feeds(self.prepared, inputs, self.task)?;
-        let row = row_of(&outcome, parts, enter, reduction);
-        Ok(row.map(|row| SizeRow { limit: limit_of(&outcome, limiting), ..row }))
+        let upwards = |walls: [f64; 2]| walls.map(|deg| (deg * 1e3).ceil() / 1e3);
+        let reduction_deg: Vec<[f64; 2]> = reduction_deg.into_iter().map(upwards).collect();
+        reduce(&mut inputs.job.electrode, &reduction_deg);
+        let mut outcome = run_feeds(self.prepared, inputs, self.task)?;
+        if !outcome.is_verified() {
+            return Ok(Err(outcome));
+        }
+        for electrode in &mut outcome.electrodes {
+            electrode.electrode.stage.clone_from(&self.stage);
+        }
+        let electrodes = || outcome.electrodes.iter();
+        let certified = electrodes().filter_map(|e| e.plan.path.as_ref()).map(|p| p.certificate.certified());
+        let row = SizeRow {
+            stage: self.stage.clone(),
+            parts: inputs.job.electrode.parts,
+            enter: inputs.job.electrode.enter,
+            reduction_deg,
+            least_thickness_mm: electrodes().map(|e| e.electrode.least_thickness_mm).fold(f64::INFINITY, f64::min),
+            volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
+            certified_mm: certified.fold(f64::INFINITY, f64::min),
+            limit: limit_of(&outcome, limiting),
+            raised_deg: 0.0,
+        };
+        Ok(Ok(Sized { row, electrodes: outcome.electrodes }))
     }
-}
-
-/// The row of a plan, if it is certified.
-fn row_of(outcome: &PlanOutcome, parts: usize, enter: EnterSide, reduction_deg: [f64; 2]) -> Option<SizeRow> {
-    if !outcome.is_verified() {
-        return None;
-    }
-    let electrodes = || outcome.electrodes.iter();
-    let certified = electrodes().filter_map(|e| e.plan.path.as_ref()).map(|p| p.certificate.certified());
-    Some(SizeRow {
-        parts,
-        enter,
-        reduction_deg,
-        least_thickness_mm: electrodes().map(|e| e.electrode.least_thickness_mm).fold(f64::INFINITY, f64::min),
-        volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
-        certified_mm: certified.fold(f64::INFINITY, f64::min),
-        limit: None,
-        raised_deg: 0.0,
-    })
 }
 
 /// Where electrode number `limiting` from 0 of a plan is closest to a wall on its way out: of walls it is drawn in, and

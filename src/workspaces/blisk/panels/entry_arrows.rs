@@ -38,11 +38,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
         };
         if arrow(ui, rect, [from, to], (side, is_used(desk, side))) {
             let number = desk.cursor.electrode;
-            desk.change_job(|job| {
-                let (_, number) = job.electrode.in_stage(number);
-                let (part, _) = job.electrode.place_of(number);
-                job.electrode.enter_from(part, side.into());
-            });
+            desk.change_job(|job| job.electrode.enter_from(number, side.into()));
         }
     }
 }
@@ -51,7 +47,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
 /// view is made for.
 fn is_used(desk: &BliskDesk, side: EntrySide) -> bool {
     let (params, number) = (&desk.document.params().electrode, desk.cursor.electrode);
-    match params.of_part(params.place_of(params.in_stage(number).1).0).enter {
+    match params.of_electrode(number).enter {
         EnterSide::Auto => {
             desk.reported_electrodes().get(number).is_some_and(|electrode| electrode.enters_from == side)
         }

@@ -53,8 +53,8 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[DesignRow], is_current: bool) ->
         ui.end_row();
         for (i, row) in rows.iter().enumerate() {
             let cells = [
-                row.size.parts.to_string(),
-                row.size.enter.name().to_owned(),
+                row.stage_cell(|stage| stage.size.parts.to_string()),
+                row.stage_cell(|stage| stage.size.enter.name().to_owned()),
                 row.hours_cell(),
                 row.needed_cell(),
                 row.residual_cell(),
@@ -82,7 +82,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[DesignRow], is_current: bool) ->
 fn hint(row: &DesignRow) -> String {
     let is_best = if row.is_best { "; no other set betters it in hours, electrodes and residual stock" } else { "" };
     let breaks: String = row.breaks.iter().map(|why| format!("; {why}")).collect();
-    format!("{}; certified {:.4} mm{is_best}{breaks}", row.words(), row.size.certified_mm)
+    format!("{}; certified {:.4} mm{is_best}{breaks}", row.words(), row.certified_mm)
 }
 
 /// Hours over electrodes, the best sets in the accent colour.

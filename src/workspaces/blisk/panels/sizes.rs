@@ -85,31 +85,47 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
     let mut chosen = None;
     // The bar of a scrolled form, and the button of a narrow one, must have room.
     let gap = if ui.available_width() < ROOMY { 5.0 } else { 10.0 };
-    egui::Grid::new("sizes").num_columns(6).min_col_width(0.0).spacing([gap, 3.0]).striped(true).show(ui, |ui| {
-        for (head, unit) in [("Parts", ""), ("From", ""), ("Low", "deg"), ("High", "deg"), ("Thick", "mm"), ("", "")] {
-            ui.label(RichText::new(format!("{head} {unit}").trim_end()).small().color(palette(ui).faint));
-        }
-        ui.end_row();
-        for (i, row) in rows.iter().enumerate() {
-            let [low, high] = row.reduction_deg;
-            let hint = hint(row);
-            let told = |response: egui::Response| drop(response.on_hover_text(&hint));
-            told(ui.label(RichText::new(row.parts.to_string()).monospace()));
-            told(ui.label(RichText::new(row.enter.name()).monospace()));
-            told(ui.label(RichText::new(format!("{low:.3}")).monospace()));
-            told(ui.label(RichText::new(format!("{high:.3}")).monospace()));
-            told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
-            let applied = current && row.is_applied(desk.document.params());
-            let response =
-                ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
-            let name = format!("Take size {}", i + 1);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, current && !applied, &name));
-            if response.on_hover_text(&hint).on_disabled_hover_text(&hint).clicked() {
-                chosen = Some(row.clone());
+    let has_stages = rows.iter().any(|row| row.stage.is_some());
+    egui::Grid::new("sizes")
+        .num_columns(6 + usize::from(has_stages))
+        .min_col_width(0.0)
+        .spacing([gap, 3.0])
+        .striped(true)
+        .show(ui, |ui| {
+            if has_stages {
+                ui.label(RichText::new("Stage").small().color(palette(ui).faint));
+            }
+            for (head, unit) in
+                [("Parts", ""), ("From", ""), ("Low", "deg"), ("High", "deg"), ("Thick", "mm"), ("", "")]
+            {
+                ui.label(RichText::new(format!("{head} {unit}").trim_end()).small().color(palette(ui).faint));
             }
             ui.end_row();
-        }
-    });
+            for (i, row) in rows.iter().enumerate() {
+                let [low, high] = row.reduction_cells();
+                let hint = hint(row);
+                let told = |response: egui::Response| drop(response.on_hover_text(&hint));
+                if has_stages {
+                    told(ui.label(row.stage.as_deref().unwrap_or_default()));
+                }
+                told(ui.label(RichText::new(row.parts.to_string()).monospace()));
+                told(ui.label(RichText::new(row.enter.name()).monospace()));
+                told(ui.label(RichText::new(low).monospace()));
+                told(ui.label(RichText::new(high).monospace()));
+                told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
+                let applied = current && row.is_applied(desk.document.params());
+                let response = ui.add_enabled(
+                    current && !applied,
+                    egui::Button::new(if applied { "Taken" } else { "Take" }).small(),
+                );
+                let name = format!("Take size {}", i + 1);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, current && !applied, &name));
+                if response.on_hover_text(&hint).on_disabled_hover_text(&hint).clicked() {
+                    chosen = Some(row.clone());
+                }
+                ui.end_row();
+            }
+        });
     chosen
 }
 
@@ -120,7 +136,8 @@ fn hint(row: &SizeRow) -> String {
         0.0 => String::new(),
         more => format!(", with {more:.2} deg more for the certificate"),
     };
-    format!("certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
+    let stage = row.stage.as_ref().map(|stage| format!("{stage}: ")).unwrap_or_default();
+    format!("{stage}certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
 }
 
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
@@ -135,11 +152,11 @@ fn plot(ui: &mut Ui, rows: &[SizeRow]) {
     let c = palette(ui);
     let colours = [c.accent, c.good, c.warning];
     let mut parts: Vec<usize> = rows.iter().map(|r| r.parts).collect();
+    parts.sort_unstable();
     parts.dedup();
     let series = parts.into_iter().enumerate().map(|(i, n)| {
         let of = rows.iter().filter(|r| r.parts == n);
-        let at: Vec<[f64; 2]> =
-            of.map(|r| [r.reduction_deg.into_iter().fold(0.0, f64::max), r.least_thickness_mm]).collect();
+        let at: Vec<[f64; 2]> = of.map(|r| [r.most_deg(), r.least_thickness_mm]).collect();
         (if n == 1 { "1 part".to_owned() } else { format!("{n} parts") }, colours[i % colours.len()], at)
     });
     let series: Vec<_> = series.collect();

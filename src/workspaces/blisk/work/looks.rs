@@ -17,7 +17,6 @@ use crate::workspaces::news::EventKind;
 use feed::genetic::ReductionMode;
 use feed::plan_params::Strategy;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
-use wheel::electrode::{EnterSide, Sizing};
 
 /// Parts up to which electrodes are sized.
 const PARTS: SizingRange = SizingRange { from: 1, to: 3 };
@@ -222,17 +221,14 @@ impl BliskWork {
         let mut job = (*now.job).clone();
         job.plan.strategy = Strategy::Global;
         let electrode = &mut job.electrode;
-        (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, Sizing::Given);
-        electrode.circumferential_reduction_deg = [0.0; 2];
-        if let Some(last) = electrode.stage.last_mut() {
-            (last.low_reduction_deg, last.high_reduction_deg) = (None, None);
-        }
         let (stage, edits) = match table {
-            ElectrodeTable::Sizes => (Stage::Plan, 0),
+            ElectrodeTable::Sizes => {
+                SizeRow::forget(electrode);
+                (Stage::Plan, 0)
+            }
             // Their hours depend on the technology.
             ElectrodeTable::Sets => {
-                (electrode.columns, electrode.part, electrode.radial_reduction_mm) = (1, Vec::new(), 0.0);
-                electrode.stage.iter_mut().for_each(|stage| stage.radial_reduction_mm = None);
+                DesignRow::forget(electrode);
                 job.genetic.h = ReductionMode::Given;
                 job.export = ExportSection { channels: job.export.channels.clone(), ..ExportSection::default() };
                 (Stage::Export, now.technology_edits)
@@ -270,7 +266,7 @@ impl BliskWork {
                 let space = DesignSpace {
                     most_parts: PARTS.to,
                     columns: false,
-                    radial_reductions_mm: vec![inputs.job.electrode.radial_reduction_mm],
+                    radial_reductions_mm: Vec::new(),
                     planes: Vec::new(),
                 };
                 let design = design(&*ready?, &inputs, &space, &DesignLimits::default(), found, task).map_err(words)?;

@@ -33,6 +33,9 @@ const STAGE: &[Field] = &[
     Field::number("stock_mm", "Stock", "mm", 0.0, 2.0).step(0.005).help(
         "Stock left for the later stages on every surface; its electrodes are smaller by that and the spark gap.",
     ),
+    Field::integer("parts", "Parts", 1.0, 20.0).or_nothing(1.0).help("The stage's own number of parts."),
+    Field::integer("columns", "Columns", 1.0, 2.0).or_nothing(1.0).help("The stage's own number of columns."),
+    Field::choice("enter", "Enter from", SIDES).help("The stage's own side of entry; automatic: that of all."),
     Field::number("low_reduction_deg", "Low wall", "deg", 0.0, 45.0)
         .or_nothing(1.0)
         .help("The stage's own reduction at the low wall."),
@@ -59,7 +62,7 @@ pub(super) const STAGES: Group = Group {
     fields: &[Field::rows("electrode.stage", "Stage", STAGE, "{ name = \"finish\", spark_gap_mm = 0.1 }").help(
         "Stages in which the channel is burned, in order, as roughing and finishing: each with electrodes of its own for \
          every part. With stages, the spark gap and the end of burning above do not count. What single parts have of their \
-         own holds in every stage.",
+         own holds in every stage that has as many parts and no [[electrode.stage.part]] of its own.",
     )],
 };
 

@@ -338,12 +338,18 @@ impl PlanJob {
     /// The job of electrode number `number` as if its stage were the only one, and its number in that.
     pub fn of_electrode(&self, number: usize) -> (Self, usize) {
         let (stage, in_stage) = self.electrode.in_stage(number);
+        (self.of_stage(stage), in_stage)
+    }
+
+    /// The job of stage `stage` as if it were the only one.
+    #[must_use]
+    pub fn of_stage(&self, stage: usize) -> Self {
         let mut job = self.clone();
         if let Some(own) = self.electrode.stage.get(stage) {
             (job.burning.last_step, job.burning.finish_vdi) = (own.last_step.clone(), own.finish_vdi);
         }
         job.electrode = self.electrode.of_stage(stage);
-        (job, in_stage)
+        job
     }
 
     fn can_be_sized(&self) -> Result<(), Invalid> {

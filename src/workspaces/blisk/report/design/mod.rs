@@ -10,7 +10,7 @@ use files::report::{Template, file_name, quoted};
 use files::{Entry, ParameterList};
 
 /// Version of the keys of `design.json`.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// The answer of a joint search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -54,20 +54,20 @@ impl DesignReport {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// A row for each set; cells are empty where a figure is not known.
+    /// A row for each set; cells are empty where a figure is not known. Figures of stages have `+` between them, those of parts `/`.
     pub fn csv(&self) -> String {
         let mut csv = format!("{COLUMNS}\n");
         for (i, row) in self.design.rows.iter().enumerate() {
-            let [low, high] = row.size.reduction_deg;
+            let reduction = |wall: usize| row.stage_cell(|stage| stage.size.reduction_cells()[wall].clone());
             let cells = [
                 (i + 1).to_string(),
-                row.size.parts.to_string(),
-                row.columns.to_string(),
-                cell(row.plane, 3),
-                row.size.enter.name().to_owned(),
-                format!("{low:.3}"),
-                format!("{high:.3}"),
-                row.radial_reduction_mm.to_string(),
+                row.stage_cell(|stage| stage.size.parts.to_string()),
+                row.stage_cell(|stage| stage.columns.to_string()),
+                row.stage_cell(|stage| cell(stage.plane, 3)),
+                row.stage_cell(|stage| stage.size.enter.name().to_owned()),
+                reduction(0),
+                reduction(1),
+                row.stage_cell(|stage| stage.radial_reduction_mm.to_string()),
                 row.electrodes.to_string(),
                 row.needed.map(|needed| needed.to_string()).unwrap_or_default(),
                 row.is_wear_known.to_string(),
@@ -76,8 +76,8 @@ impl DesignReport {
                 cell(row.residual_mm, 4),
                 row.is_more_left.to_string(),
                 cell(row.left_mm3, 3),
-                format!("{:.4}", row.size.least_thickness_mm),
-                format!("{:.4}", row.size.certified_mm),
+                format!("{:.4}", row.least_thickness_mm),
+                format!("{:.4}", row.certified_mm),
                 row.is_best.to_string(),
                 quoted(&row.breaks.join("; ")),
             ];
@@ -156,24 +156,26 @@ mod tests {
     use super::*;
     use crate::workspaces::blisk::document::job_file::PlanJob;
     use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
+    use crate::workspaces::blisk::job::design::StageSet;
     use crate::workspaces::blisk::job::sizing::SizeRow;
     use wheel::electrode::{ElectrodeParams, EnterSide};
 
     fn row(wheel: Option<f64>, breaks: &[&str]) -> DesignRow {
+        let size = SizeRow {
+            stage: None,
+            parts: 2,
+            enter: EnterSide::MinusX,
+            reduction_deg: vec![[1.0, 1.25]],
+            least_thickness_mm: 2.5,
+            volume_mm3: 100.0,
+            certified_mm: 0.0995,
+            limit: None,
+            raised_deg: 0.0,
+        };
         DesignRow {
-            size: SizeRow {
-                parts: 2,
-                enter: EnterSide::MinusX,
-                reduction_deg: [1.0, 1.25],
-                least_thickness_mm: 2.5,
-                volume_mm3: 100.0,
-                certified_mm: 0.0995,
-                limit: None,
-                raised_deg: 0.0,
-            },
-            columns: 1,
-            radial_reduction_mm: 0.5,
-            plane: Some(0.4),
+            stages: vec![StageSet { size, columns: 1, radial_reduction_mm: 0.5, plane: Some(0.4) }],
+            least_thickness_mm: 2.5,
+            certified_mm: 0.0995,
             electrodes: 2,
             needed: wheel.map(|_| 8),
             is_wear_known: wheel.is_some(),
@@ -213,6 +215,16 @@ mod tests {
         assert_eq!(
             rows[1],
             "1,2,1,0.400,-x,1.000,1.250,0.5,2,8,true,100.000,100.000,0.2500,false,12.000,2.5000,0.0995,true,"
+        );
+        let mut staged = report();
+        let first = &mut staged.design.rows[0].stages;
+        first.push(first[0].clone());
+        first[1].size.reduction_deg = vec![[0.5, 0.75], [1.0, 1.25]];
+        let csv = staged.csv();
+        let cells = csv.lines().nth(1).unwrap();
+        assert!(
+            cells.starts_with("1,2+2,1+1,0.400+0.400,-x+-x,1.000+0.500/1.000,1.250+0.750/1.250,0.5+0.5,2,8,"),
+            "{cells}"
         );
         assert!(rows[2].ends_with(",false,\"thickness 2.5 mm, for 3 mm\""), "{csv}");
         assert!(rows[3].contains(",0.5,2,,false,,,0.2500,"), "{csv}");
