@@ -6,6 +6,8 @@ mod files;
 mod hostile;
 #[path = "import/laws.rs"]
 mod laws;
+#[path = "common/mesh_files.rs"]
+mod mesh_files;
 
 use std::fs;
 

@@ -8,7 +8,7 @@ use ::files::Validate as _;
 use feed::jam::{Change, JamCause, Opening};
 use feed::plan_params::Strategy;
 use sparkpath::workspaces::blisk::job::burning::WheelBurning;
-use sparkpath::workspaces::blisk::job::design::{Design, DesignLimits, DesignSpace, design};
+use sparkpath::workspaces::blisk::job::design::{DesignLimits, DesignSpace, design};
 use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::{run_finished, run_prepared};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
@@ -262,33 +262,23 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
 }
 
 fn sets_are_what_their_plans_make() {
-    let base = sets_are_those_of_plans(&[]);
-    let stage = |name: &str, stock_mm| StageParams {
+    let mut base = easy_inputs(coarse_job(2.8));
+    let stage = |name: &str, stock_mm, last_step: &str| StageParams {
         name: name.to_owned(),
         spark_gap_mm: 0.15,
         stock_mm,
-        last_step: "S1".to_owned(),
+        last_step: last_step.to_owned(),
         ..StageParams::default()
     };
-    let staged = sets_are_those_of_plans(&[stage("rough", 0.1), stage("finish", 0.0)]);
-    // The finishing electrodes of both are the same, and each stage is drawn in by what it needs itself.
-    for row in &staged.rows {
-        let [rough, finish] = [0, 1].map(|stage| row.stages[stage].size.most_deg());
-        assert!(rough > finish, "{row:?}");
-        assert!(base.rows.iter().any(|single| single.stages[0].size.reduction_deg == row.stages[1].size.reduction_deg));
-    }
-}
-
-/// Searches sets of one part in `stages`, plans each, and compares.
-fn sets_are_those_of_plans(stages: &[StageParams]) -> Design {
-    let mut base = easy_inputs(coarse_job(2.8));
-    base.job.electrode.stage = stages.to_vec();
+    base.job.electrode.stage = vec![stage("rough", 0.1, "S1"), stage("finish", 0.0, "F1")];
     // The search of sets is the global one, whatever the job's own draws in.
     (base.job.plan.strategy, base.job.genetic.h) = (Strategy::Genetic, ReductionMode::Variable);
-    (base.job.burning.last_step, base.job.electrode.spark_gap_mm) = ("S1".to_owned(), 0.15);
     let space = DesignSpace { most_parts: 1, columns: false, radial_reductions_mm: Vec::new(), planes: Vec::new() };
     let design = design(ready(), &base, &space, &DesignLimits::default(), &|_| (), &Task::default()).unwrap();
     for row in &design.rows {
+        // Each stage is drawn in by what it needs itself.
+        let [rough, finish] = [0, 1].map(|stage| row.stages[stage].size.most_deg());
+        assert!(rough > finish, "{row:?}");
         let mut job = base.job.clone();
         assert!(!row.is_applied(&job));
         row.apply(&mut job);
@@ -306,7 +296,6 @@ fn sets_are_those_of_plans(stages: &[StageParams]) -> Design {
     let fastest = design.fastest().unwrap_or_else(|| panic!("{} {:?}", design.sentence(), design.rows));
     assert!(fastest.wheel.is_some() && !fastest.is_wear_known, "{}", design.sentence());
     assert!(design.sentence().contains("wear is not considered"), "{}", design.sentence());
-    design
 }
 
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {

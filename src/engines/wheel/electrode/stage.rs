@@ -28,7 +28,6 @@ pub struct StageParams {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub columns: Option<usize>,
     /// Side of entry; automatic: that of all.
-    #[serde(skip_serializing_if = "EnterSide::is_auto")]
     pub enter: EnterSide,
     /// What single parts have of their own in this stage, in place of what they have in all (`[[electrode.stage.part]]`). With
     /// another number of parts than that of all, these rows alone hold.
