@@ -1,8 +1,8 @@
 //! Readers and engines on input that nobody would make on purpose: files that were cut, mixed and overwritten, and parts that are
 //! valid but nasty. Whatever they are given, they answer, soon, and within their memory.
 //!
-//! `INPUTS` in the environment is the number of inputs of each test in place of its own, `SEED` another seed for them;
-//! `scripts/fuzz HOURS` runs all tests so for hours.
+//! With `FUZZ_SECONDS` in the environment every test takes inputs for so long instead of a number of its own, with `FUZZ_SEED` other
+//! inputs: `scripts/fuzz HOURS`.
 
 #[path = "fuzz/limits.rs"]
 mod limits;
@@ -15,15 +15,18 @@ mod parts;
 #[path = "fuzz/readers.rs"]
 mod readers;
 
+use std::time::{Duration, Instant};
+
 #[global_allocator]
 static MEMORY: limits::Memory = limits::Memory;
 
-/// Number in the environment variable `name`, or `otherwise`.
-fn number(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).map_or(otherwise, |text| text.parse().unwrap_or_else(|_| panic!("{name} is {text}: no number")))
+/// Number in the environment variable `name`.
+fn number(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{name} is {text}: no number")))
 }
 
-/// Runs `test` on `own` inputs of `make`, or as many as the environment asks for. Input number n is the same in every run.
+/// Runs `test` on `own` inputs of `make`, or on as many as there is time for. Input number n of a seed is the same in every run.
 fn campaign<T>(
     own: u64,
     make: impl Fn(&mut rand_chacha::ChaCha8Rng) -> T,
@@ -31,13 +34,17 @@ fn campaign<T>(
     show: impl Fn(&T) -> String,
 ) {
     use rand::SeedableRng;
-    let (inputs, seed) = (number("INPUTS", own), number("SEED", 0));
-    for n in 0..inputs {
+    let seed = number("FUZZ_SEED").unwrap_or(0);
+    let until = number("FUZZ_SECONDS").map(|seconds| Instant::now() + Duration::from_secs(seconds));
+    let goes_on = |n: u64| until.map_or(n < own, |until| Instant::now() < until);
+    let mut n = 0;
+    while goes_on(n) {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1 << 32).wrapping_add(n));
         let input = make(&mut random);
         if let Err(why) = limits::within(|| test(&input)) {
-            panic!("SEED={seed}, input {n}: {why}\n{}", show(&input));
+            panic!("seed {seed}, input {n}: {why}\n{}", show(&input));
         }
+        n += 1;
     }
-    println!("{inputs} inputs from seed {seed}");
+    println!("{n} inputs of seed {seed}");
 }

@@ -270,15 +270,16 @@ fn sets_are_what_their_plans_make() {
         last_step: last_step.to_owned(),
         ..StageParams::default()
     };
-    base.job.electrode.stage = vec![stage("rough", 0.1, "S1"), stage("finish", 0.0, "F1")];
+    base.job.electrode.stage = vec![stage("rough", 0.25, "S1"), stage("finish", 0.0, "S1")];
     // The search of sets is the global one, whatever the job's own draws in.
     (base.job.plan.strategy, base.job.genetic.h) = (Strategy::Genetic, ReductionMode::Variable);
     let space = DesignSpace { most_parts: 1, columns: false, radial_reductions_mm: Vec::new(), planes: Vec::new() };
     let design = design(ready(), &base, &space, &DesignLimits::default(), &|_| (), &Task::default()).unwrap();
     for row in &design.rows {
         // Each stage is drawn in by what it needs itself.
-        let [rough, finish] = [0, 1].map(|stage| row.stages[stage].size.most_deg());
-        assert!(rough > finish, "{row:?}");
+        let [rough, finish] = [0, 1].map(|stage| &row.stages[stage].size);
+        assert!(rough.reduction_deg != finish.reduction_deg, "{row:?}");
+        assert!(rough.certified_mm > 0.39 && rough.least_thickness_mm < finish.least_thickness_mm, "{row:?}");
         let mut job = base.job.clone();
         assert!(!row.is_applied(&job));
         row.apply(&mut job);

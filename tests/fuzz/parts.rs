@@ -156,7 +156,7 @@ fn uncut_regions_and_electrodes_are_found_or_refused() {
             drop(electrodes(mesh, &left, &mold::electrode::params::ElectrodeParams::default(), &task));
         }
     };
-    campaign(20, |random| nasty(random, -3.0..2.0), found, shown);
+    campaign(20, |random| nasty(random, -3.0..1.3), found, shown);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! A folder into which an export writes all of its files or none. A manifest names the files of the exports.
+//! A folder into which an export writes all of its files or none, even if the program is killed meanwhile. A manifest names the
+//! files of the exports.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -83,6 +84,8 @@ pub struct ExportFolder {
     by: &'static str,
     /// Other exports whose files are removed as well, because they are about the former export.
     replaced: &'static [&'static str],
+    /// Locked as long as this program works on the export.
+    _lock: File,
     // Before the folders: fields are dropped in order, and these go only when they are empty.
     waiting: tempfile::TempDir,
     /// Files to be published, in order, and their hashes.
@@ -155,19 +158,23 @@ impl ExportFolder {
     /// an older program could stay beside a report that refuses it.
     pub fn open(folder: &Path, by: &'static str) -> Result<Self, FileError> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        take_back_killed(folder);
         manifest_in(folder)?;
         let wrong = |source| FileError::unwritable(folder, source);
         let missing = folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && !f.exists());
         let made = MadeFolders(missing.map(Path::to_owned).collect());
         fs::create_dir_all(folder).map_err(wrong)?;
-        let waiting = tempfile::Builder::new().prefix(".sparkpath-").suffix(".part").tempdir_in(folder);
+        let waiting = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(folder);
         // The system's reason alone: nobody asked for the hidden folder.
         let waiting = waiting.map_err(|e| wrong(e.kind().into()))?;
         for inside in [NEW, BEFORE] {
             fs::create_dir(waiting.path().join(inside)).map_err(wrong)?;
         }
+        let lock = File::create(waiting.path().join(LOCK)).map_err(wrong)?;
+        // Where there are no locks nothing is taken back either.
+        let _ = lock.try_lock();
         let folder = folder.to_owned();
-        Ok(Self { folder, by, replaced: &[], waiting, new: Vec::new(), unknown: Vec::new(), _made: made })
+        Ok(Self { folder, by, replaced: &[], _lock: lock, waiting, new: Vec::new(), unknown: Vec::new(), _made: made })
     }
 
     /// Also removes the files of exports of these kinds, which describe the former export.
@@ -236,18 +243,32 @@ impl ExportFolder {
     /// # Errors
     /// [`FileError`]; everything is then as it was before.
     pub fn publish(self) -> Result<Published, FileError> {
-        let mut done = Moves::default();
-        let published = self.moved(&mut done);
-        if published.is_err() {
-            done.take_back();
-        }
-        published
+        let (moves, published, manifest) = self.planned()?;
+        let waiting = self.waiting.path();
+        // Written before anything is moved: by it the next export of this folder takes back what a killed one has done.
+        let journal = Journal { manifest: manifest.as_ref().map(digest), moves };
+        let text = serde_json::to_vec(&journal).map_err(|e| FileError::unwritable(&self.folder, e.into()))?;
+        let written = File::create(waiting.join(JOURNAL)).and_then(|mut file| {
+            file.write_all(&text)?;
+            file.sync_all()
+        });
+        written.map_err(|source| FileError::unwritable(&self.folder, source))?;
+        let move_all = || {
+            for [from, to] in &journal.moves {
+                let [from, to] = [from, to].map(|path| self.folder.join(path));
+                fs::rename(&from, &to).map_err(|source| FileError::unwritable(&to, source))?;
+            }
+            // Last: without it everything is taken back.
+            manifest.map_or(Ok(()), |manifest| MANIFEST_FILE.write(&self.path(MANIFEST), &manifest))
+        };
+        move_all().inspect_err(|_| journal.take_back(&self.folder)).map(|()| published)
     }
 
-    fn moved(&self, done: &mut Moves) -> Result<Published, FileError> {
-        let mut published = Published::default();
+    /// Moves that publish the files, relative to the folder, what is told of them, and the new manifest unless it is the one there.
+    fn planned(&self) -> Result<(Vec<[PathBuf; 2]>, Published, Option<Manifest>), FileError> {
+        let (mut moves, mut published) = (Vec::new(), Published::default());
         let former = manifest_in(&self.folder)?;
-        let before = self.waiting.path().join(BEFORE);
+        let waiting = PathBuf::from(self.waiting.path().file_name().unwrap_or_default());
         let is_new = |name: &str| self.new.iter().any(|file| file.name == name);
         let is_replaced = |by: &str| by == self.by || self.replaced.contains(&by);
         let known = former.file.iter().filter(|file| is_replaced(&file.by));
@@ -260,29 +281,24 @@ impl ExportFolder {
                 continue;
             }
             if sha256.is_some_and(|written| sha256_of(&path).is_ok_and(|now| now == *written)) {
-                done.rename(&path, &before.join(name))?;
+                moves.push([name.into(), waiting.join(BEFORE).join(name)]);
                 published.removed.push(name.clone());
             } else {
                 let Some(free) = self.free_name(name) else { continue };
-                done.rename(&path, &self.path(&free))?;
+                moves.push([name.into(), PathBuf::from(&free)]);
                 published.set_aside.push([name.clone(), free]);
             }
         }
-        for file in &self.new {
-            let path = self.path(&file.name);
-            if path.symlink_metadata().is_ok() {
-                done.rename(&path, &before.join(&file.name))?;
+        for OwnFile { name, .. } in &self.new {
+            if self.path(name).symlink_metadata().is_ok() {
+                moves.push([name.into(), waiting.join(BEFORE).join(name)]);
             }
-            done.rename(&self.waiting.path().join(NEW).join(&file.name), &path)?;
-            published.files.push(path);
+            moves.push([waiting.join(NEW).join(name), name.into()]);
+            published.files.push(self.path(name));
         }
         let of_others = former.file.iter().filter(|file| !is_replaced(&file.by) && !is_new(&file.name));
         let manifest = Manifest { file: of_others.chain(&self.new).cloned().collect() };
-        // Last: without it everything is taken back.
-        if manifest != former {
-            MANIFEST_FILE.write(&self.path(MANIFEST), &manifest)?;
-        }
-        Ok(published)
+        Ok((moves, published, (manifest != former).then_some(manifest)))
     }
 
     /// `NAME.old`, or `NAME.old-2` and so on if that name is taken.
@@ -297,21 +313,74 @@ impl ExportFolder {
 const NEW: &str = "new";
 const BEFORE: &str = "before";
 
-/// Files that were renamed.
-#[derive(Debug, Default)]
-struct Moves(Vec<[PathBuf; 2]>);
+/// File within the hidden folder that its program holds locked, and the file that lists the moves.
+const LOCK: &str = "lock";
+const JOURNAL: &str = "moves.json";
+/// Beginning and end of the name of a hidden folder.
+const PREFIX: &str = ".sparkpath-";
+const SUFFIX: &str = ".part";
 
-impl Moves {
-    fn rename(&mut self, from: &Path, to: &Path) -> Result<(), FileError> {
-        fs::rename(from, to).map_err(|source| FileError::unwritable(to, source))?;
-        self.0.push([from.to_owned(), to.to_owned()]);
-        Ok(())
+/// Moves that publish an export, from and to, relative to the export folder.
+#[derive(Debug, Serialize, Deserialize)]
+struct Journal {
+    /// Digest of the manifest that is written after them; none if it stays as it is.
+    manifest: Option<String>,
+    moves: Vec<[PathBuf; 2]>,
+}
+
+impl Journal {
+    /// Puts everything back, the last first.
+    fn take_back(&self, folder: &Path) {
+        for [from, to] in self.moves.iter().rev().map(|pair| pair.each_ref().map(|path| folder.join(path))) {
+            // One that cannot be put back has nowhere else to go; the others still should.
+            if from.symlink_metadata().is_err() {
+                let _ = fs::rename(to, from);
+            }
+        }
     }
 
-    /// Puts all of them back, the last first.
-    fn take_back(&mut self) {
-        // One that cannot be put back has nowhere else to go; the others still should.
-        self.0.drain(..).rev().for_each(|[from, to]| drop(fs::rename(to, from)));
+    /// Whether every move stays in `folder`: names of its files, and of those in the hidden folder `waiting`.
+    fn is_within(&self, waiting: &Path) -> bool {
+        let is_hidden = |path: &Path| {
+            let inside =
+                path.strip_prefix(waiting).ok().and_then(|path| Some((path.parent()?, path.file_name()?.to_str()?)));
+            inside.is_some_and(|(part, name)| [NEW, BEFORE].map(Path::new).contains(&part) && is_plain(name))
+        };
+        self.moves.iter().flatten().all(|path| path.to_str().is_some_and(is_plain) || is_hidden(path))
+    }
+}
+
+/// Digest of a manifest.
+fn digest(manifest: &Manifest) -> String {
+    let rows = manifest.file.iter().map(|file| format!("{} {} {}\n", file.sha256, file.by, file.name));
+    sha256(rows.collect::<String>().as_bytes())
+}
+
+/// Removes the hidden folders of programs that were killed, and takes back what they had published in part.
+fn take_back_killed(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    for hidden in entries.map(|entry| entry.path()) {
+        let Some(name) = hidden
+            .file_name()
+            .filter(|name| name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX)))
+        else {
+            continue;
+        };
+        // A program that is at work holds the lock; where none can be had, nothing is known.
+        let Ok(lock) = File::open(hidden.join(LOCK)) else { continue };
+        if lock.try_lock().is_err() {
+            continue;
+        }
+        let journal =
+            fs::read(hidden.join(JOURNAL)).ok().and_then(|text| serde_json::from_slice::<Journal>(&text).ok());
+        if let Some(journal) = journal.filter(|journal| journal.is_within(Path::new(name))) {
+            let now = manifest_in(folder).ok().map(|manifest| digest(&manifest));
+            if journal.manifest.is_some() && journal.manifest != now {
+                journal.take_back(folder);
+            }
+        }
+        drop(lock);
+        let _ = fs::remove_dir_all(&hidden);
     }
 }
 
@@ -386,6 +455,73 @@ mod tests {
         fs::create_dir(out.join("table.csv")).unwrap();
         let error = ExportFolder::open(&out, "flank").unwrap().write("table.csv", b"").unwrap_err().to_string();
         assert!(error.contains("table.csv") && error.contains("directory"), "{error}");
+    }
+
+    /// Killed after every number of moves, the folder is as before once the next export begins, and as after it once the manifest is
+    /// written.
+    #[test]
+    fn a_killed_export_is_taken_back_by_the_next() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let set_up = || {
+            let _ = fs::remove_dir_all(&out);
+            export(&out, "flank", &[("flank.ngc", "G1"), ("report.html", "old")]);
+            let mut next = ExportFolder::open(&out, "flank").unwrap();
+            next.write("report.html", b"new").unwrap();
+            next.write("table.csv", b"new").unwrap();
+            next
+        };
+        let before = {
+            drop(set_up());
+            names(&out)
+        };
+        let moves = set_up().planned().unwrap().0.len();
+        assert_eq!(moves, 4, "one file goes, one is replaced by two moves, one comes");
+        for killed_after in 0..=moves {
+            let next = set_up();
+            let (moves, _, manifest) = next.planned().unwrap();
+            let journal = Journal { manifest: manifest.as_ref().map(digest), moves };
+            fs::write(next.waiting.path().join(JOURNAL), serde_json::to_vec(&journal).unwrap()).unwrap();
+            for [from, to] in &journal.moves[..killed_after] {
+                fs::rename(out.join(from), out.join(to)).unwrap();
+            }
+            // As long as its program lives nobody touches it.
+            take_back_killed(&out);
+            assert!(names(&out).iter().any(|name| name.ends_with(SUFFIX)));
+            let ExportFolder { _lock, waiting, .. } = next;
+            let _ = waiting.keep();
+            drop(_lock);
+            take_back_killed(&out);
+            assert_eq!(names(&out), before, "{killed_after}");
+            assert_eq!((read(&out, "report.html"), read(&out, "flank.ngc")), ("old".into(), "G1".into()));
+        }
+        let next = set_up();
+        let (moves, _, manifest) = next.planned().unwrap();
+        let journal = Journal { manifest: manifest.as_ref().map(digest), moves };
+        fs::write(next.waiting.path().join(JOURNAL), serde_json::to_vec(&journal).unwrap()).unwrap();
+        journal.moves.iter().for_each(|[from, to]| fs::rename(out.join(from), out.join(to)).unwrap());
+        MANIFEST_FILE.write(&out.join(MANIFEST), &manifest.unwrap()).unwrap();
+        let ExportFolder { _lock, waiting, .. } = next;
+        let _ = waiting.keep();
+        drop(_lock);
+        take_back_killed(&out);
+        assert_eq!(names(&out), [MANIFEST, "report.html", "table.csv"]);
+        assert_eq!(read(&out, "report.html"), "new");
+    }
+
+    #[test]
+    fn a_hostile_journal_moves_nothing_outside_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let hidden = out.join(".sparkpath-x.part");
+        fs::create_dir_all(&hidden).unwrap();
+        fs::write(folder.path().join("victim.txt"), "precious").unwrap();
+        fs::write(hidden.join(LOCK), "").unwrap();
+        let moves = vec![["stolen.txt".into(), "../victim.txt".into()]];
+        let journal = Journal { manifest: Some("x".to_owned()), moves };
+        fs::write(hidden.join(JOURNAL), serde_json::to_vec(&journal).unwrap()).unwrap();
+        take_back_killed(&out);
+        assert!(names(&out).is_empty() && folder.path().join("victim.txt").exists());
     }
 
     #[test]
