@@ -264,3 +264,20 @@ fn a_guessed_unit_is_told_by_every_command_and_in_its_sheets() {
     assert_eq!(inspected.matches("because").count(), 1, "{inspected}");
     assert!(inspected.contains("binary STL") && inspected.contains("unit         millimetres\n"), "{inspected}");
 }
+
+/// Projects and reports are text, and could not name such a file.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_is_no_text_is_refused_with_the_way_out() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(std::ffi::OsStr::from_bytes(b"schl\xfcssel.stl"));
+    write_stl(&file, &pocket()).unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_sparkpath"))
+        .args(["uncut".as_ref(), file.as_os_str(), "--cutters".as_ref(), "flat:1".as_ref()])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = text(&output.stderr);
+    assert!(said.contains("UTF-8") && said.contains("rename the file"), "{said}");
+}

@@ -201,7 +201,11 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// # Errors
     /// The first that is not.
     pub fn check(&self, params: &P) -> Result<(), Invalid> {
-        let values = self.values(params);
+        // Of all that parameters hold only paths may be no text.
+        let values = serde_json::to_value(params).map_err(|_| {
+            let remedy = "has bytes that are no UTF-8 text, and projects and reports could not name it; rename the file or its folder";
+            Invalid::of("the name of a file", remedy)
+        })?;
         let mut counting = self.fields().filter(|field| field.is_shown(&values));
         counting.try_for_each(|field| field.check(field.key, get(&values, field.key)))
     }
