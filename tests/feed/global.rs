@@ -294,9 +294,16 @@ fn sets_are_what_their_plans_make() {
         assert_eq!((burning.channel, burning.schedule.map(|of| of.total())), (row.channel, row.wheel));
         assert_eq!(plan.residual_stock().unwrap().stock.left_mm3, row.left_mm3.unwrap());
     }
-    let fastest = design.fastest().unwrap_or_else(|| panic!("{} {:?}", design.sentence(), design.rows));
-    assert!(fastest.wheel.is_some() && !fastest.is_wear_known, "{}", design.sentence());
-    assert!(design.sentence().contains("wear is not considered"), "{}", design.sentence());
+    assert!(!design.rows.is_empty(), "{}", design.sentence());
+    // The finishing electrode burns so little that the step's current is too high for its area: that is told, and no hours.
+    for row in &design.rows {
+        let why = row.no_minutes.as_deref().unwrap_or_default();
+        assert!(
+            row.wheel.is_none() && why.contains("electrode 2 (finish)") && why.contains("more frontal area"),
+            "{why}"
+        );
+    }
+    assert!(design.fastest().is_none() && design.sentence().contains("hours are not known"), "{}", design.sentence());
 }
 
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
