@@ -25,6 +25,7 @@ mod job_sheet;
 mod measured;
 mod plan;
 mod project;
+mod reference;
 mod render;
 mod render_project;
 mod reproduce;
@@ -56,7 +57,7 @@ use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
 use wheel::section_deviation::P1_LIMIT_MM;
 
-/// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
+/// Plans and verifies feed paths of EDM electrodes, designs electrodes for molds, and plans flank milling.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, args_conflicts_with_subcommands = true)]
 struct Arguments {
@@ -168,6 +169,18 @@ enum Command {
         /// A technology table (TOML) [default: the built-in one].
         #[arg(value_name = "FILE")]
         table: Option<PathBuf>,
+    },
+    /// Prints a script by which a shell completes commands and options.
+    Completions {
+        /// The shell.
+        #[arg(value_name = "SHELL")]
+        shell: clap_complete::Shell,
+    },
+    /// Writes a man page of the program and of each command.
+    Man {
+        /// Folder for the pages, made if it is not there.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
     },
 }
 
@@ -467,6 +480,8 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::JobSheet(arguments) => job_sheet::job_sheet(arguments),
         Command::SetupSheet(arguments) => setup_sheet::set_up_sheet(arguments),
         Command::Technology { table } => technology::technology(table.as_deref(), session),
+        Command::Completions { shell } => Ok(reference::completions(*shell)),
+        Command::Man { out } => reference::man(out),
     }
 }
 

@@ -43,6 +43,11 @@ fn take_threads() {
     }
 }
 
+/// Icon of the window. On Wayland the desktop takes that of the desktop entry named as the window's app id.
+fn icon() -> egui::IconData {
+    eframe::icon_data::from_png_bytes(include_bytes!("../../assets/desktop/sparkpath.png")).unwrap_or_default()
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
@@ -56,6 +61,7 @@ pub fn run_window(opening: Opening) -> Result<(), String> {
         viewport: egui::ViewportBuilder::default()
             .with_title("Sparkpath")
             .with_app_id("sparkpath")
+            .with_icon(icon())
             .with_inner_size([1440.0, 900.0])
             // A screen of 1280 by 720 pixels at 200 %.
             .with_min_inner_size([640.0, 340.0])
