@@ -140,7 +140,7 @@ fn tell(study: &StudyFolder, counts: Counts, more: &str, session: &Session) -> a
         let folder = study.folder().display().to_string();
         say!("{}", serde_json::to_string_pretty(&serde_json::json!({ "folder": folder, "counts": counts }))?);
     } else {
-        say!("{} {}", counts.sentence(), more.trim());
+        say!("{}", format!("{} {}", counts.sentence(), more.trim()).trim_end());
     }
     Ok(())
 }

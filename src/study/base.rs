@@ -11,7 +11,7 @@ use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::fields::FIELDS as MOLD_FIELDS;
 use crate::workspaces::mold::document::standard::{open_mold, standard_mold};
-use files::{Document, Entry, FieldTable, FileError, Invalid, Kind, Params, kind_of, paths};
+use files::{Document, Entry, Field, FieldTable, FileError, Invalid, Kind, Params, kind_of, paths};
 
 /// Key of a file of cutters, which takes the place of a mold's own ones.
 pub const LIBRARY: &str = "library";
@@ -62,6 +62,18 @@ impl Base {
                 Err(FileError::invalid(file, problem))
             }
         }
+    }
+
+    /// The parameters in the text of a project of this kind, in which paths are as seen from `folder`. A mold without holders
+    /// has the user's.
+    ///
+    /// # Errors
+    /// [`FileError`], also of a kind of which there are no studies.
+    pub fn parse(kind: &str, text: &str, folder: &Path) -> Result<Self, FileError> {
+        if kind == PlanJob::KIND {
+            return Ok(Self::Blisk(Document::<PlanJob>::parse(text, folder)?.params().clone().into()));
+        }
+        Ok(Self::Mold(Document::<MoldParams>::parse(text, folder)?.params().clone().into()))
     }
 
     /// Sets the seed of the genetic search, where there is one.
@@ -164,6 +176,22 @@ impl Base {
             Self::Mold(mut params) => params.change_paths(&mut add),
         }
         files
+    }
+}
+
+/// The parameters that a study of a project of this kind can vary: key and name.
+pub fn varied_fields(kind: &str) -> Vec<(&'static str, String)> {
+    let named = |field: &'static Field| {
+        let is_single = !matches!(field.kind, Kind::Rows { .. } | Kind::Points { .. } | Kind::Variant { .. });
+        let unit = if field.unit.is_empty() { String::new() } else { format!(" ({})", field.unit) };
+        is_single.then(|| (field.key, format!("{}{unit}", field.label)))
+    };
+    match kind {
+        PlanJob::KIND => BLISK_FIELDS.fields().filter_map(named).collect(),
+        MoldParams::KIND => {
+            MOLD_FIELDS.fields().filter_map(named).chain([(LIBRARY, "Library of cutters".to_owned())]).collect()
+        }
+        _ => Vec::new(),
     }
 }
 

@@ -65,6 +65,16 @@ impl StudyCommand {
             Self::Electrodes => "electrodes",
         }
     }
+
+    /// Name in the window.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Plan => "Plan",
+            Self::Size => "Size",
+            Self::Uncut => "Rest material",
+            Self::Electrodes => "Electrodes",
+        }
+    }
 }
 
 /// Choice of the points.

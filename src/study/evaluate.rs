@@ -150,6 +150,11 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
+/// The value; a negative zero is no other value than zero.
+fn unsigned_zero(value: &Value) -> Value {
+    if value.as_f64() == Some(0.0) && value.is_f64() { json!(0.0) } else { value.clone() }
+}
+
 fn part_of_job(job: &PlanJob, task: &Task) -> Result<Part, Reason> {
     let part = load(job, task)?;
     let is_open = |report: &ImportReport| !report.watertight;
@@ -329,7 +334,7 @@ fn electrodes(
 impl Evaluated {
     /// The named results, and the places of the report among `columns`. A place that holds no number, word or flag has no value.
     pub fn results<'a>(&self, columns: impl Iterator<Item = &'a String>) -> Map<String, Value> {
-        let named = self.named.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
+        let named = self.named.iter().map(|(name, value)| ((*name).to_owned(), unsigned_zero(value)));
         let single = |value: &Value| if value.is_array() || value.is_object() { Value::Null } else { value.clone() };
         let places = columns.filter(|column| is_place(column));
         named.chain(places.map(|place| (place.clone(), single(get(&self.report, place))))).collect()

@@ -139,10 +139,25 @@ impl StudyFolder {
         let placed = |problem| FileError::placed(file, &text, problem);
         let own = paths::folder_of(file);
         let base = Base::read(&own.join(&study.project), study.command, user_folder)?.with_seed(seed);
+        Self::set_up(study, &base, &own, folder, &placed)
+    }
+
+    /// Sets up `folder` for a study of `base`, or goes on with it if it is there already. Paths in the study are as seen from
+    /// the folder `own`; `placed` makes a problem of the study an error of its file.
+    ///
+    /// # Errors
+    /// [`StudyError`]; if another study is in the folder, nothing is changed.
+    pub fn set_up(
+        study: Study,
+        base: &Base,
+        own: &Path,
+        folder: &Path,
+        placed: &dyn Fn(Invalid) -> FileError,
+    ) -> Result<Self, StudyError> {
         check_columns(&study).map_err(placed)?;
         let (folder, to) = (folder.to_owned(), paths::absolute(folder));
-        let study = resolved(study, &base, &own, &to).map_err(placed)?;
-        let all = axes(&study, &base).and_then(|axes| points(&axes, &study.sampling)).map_err(placed)?;
+        let study = resolved(study, base, own, &to).map_err(placed)?;
+        let all = axes(&study, base).and_then(|axes| points(&axes, &study.sampling)).map_err(placed)?;
         let project = base.text(&to.join(PROJECT))?;
         let there = folder.join(STUDY);
         if there.exists() {

@@ -20,6 +20,6 @@ pub mod definition;
 pub mod evaluate;
 pub mod folder;
 mod pareto;
-mod plots;
+pub mod plots;
 pub mod sampling;
 pub mod table;

@@ -116,12 +116,7 @@ pub fn all(table: &Table) -> Vec<TitledPlot> {
             svg: parallel(table, &axes, &rows),
         });
     }
-    let scatter_axes = match (&results[..], &parameters[..]) {
-        ([first, second, ..], _) if first.goal.is_some() && second.goal.is_some() => Some((first, second)),
-        ([first, ..], [parameter, ..]) => Some((parameter, first)),
-        _ => None,
-    };
-    if let Some((x, y)) = scatter_axes {
+    if let Some((x, y)) = scatter_axes(&parameters, &results) {
         let front =
             if table.has_goals() { "the best points joined, in the first colour" } else { "a dot for each point" };
         plots.push(TitledPlot {
@@ -140,24 +135,55 @@ pub fn all(table: &Table) -> Vec<TitledPlot> {
     plots
 }
 
+/// The first two goals, or else the first parameter with the first result.
+fn scatter_axes<'a>(parameters: &'a [Quantity], results: &'a [Quantity]) -> Option<(&'a Quantity, &'a Quantity)> {
+    match (results, parameters) {
+        ([first, second, ..], _) if first.goal.is_some() && second.goal.is_some() => Some((first, second)),
+        ([first, ..], [parameter, ..]) => Some((parameter, first)),
+        _ => None,
+    }
+}
+
+/// Points of a study along two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scatter {
+    /// Names of the axes.
+    pub names: [String; 2],
+    /// The best points.
+    pub best: Vec<[f64; 2]>,
+    /// The others.
+    pub others: Vec<[f64; 2]>,
+}
+
+/// The first two goals against each other, or else the first result over the first parameter; none where nothing varies.
+pub fn scatter_of(table: &Table) -> Option<Scatter> {
+    let (parameters, results) = quantities(table);
+    let (x, y) = scatter_axes(&parameters, &results)?;
+    Some(scattered(table, x, y, &drawn(table)))
+}
+
+fn scattered(table: &Table, x: &Quantity, y: &Quantity, rows: &[usize]) -> Scatter {
+    let points = |is_best: bool| -> Vec<[f64; 2]> {
+        rows.iter().filter(|&&i| table.rows[i].is_best == is_best).filter_map(|&i| place(x, y, i)).collect()
+    };
+    Scatter { names: [x.name.clone(), y.name.clone()], best: points(true), others: points(false) }
+}
+
 /// Place of a row along both axes.
 fn place(x: &Quantity, y: &Quantity, row: usize) -> Option<[f64; 2]> {
     Some([x.values[row]?, y.values[row]?])
 }
 
 fn scatter(table: &Table, x: &Quantity, y: &Quantity, rows: &[usize]) -> String {
-    let points = |is_best: bool| -> Vec<[f64; 2]> {
-        rows.iter().filter(|&&i| table.rows[i].is_best == is_best).filter_map(|&i| place(x, y, i)).collect()
-    };
-    let (best, others) = (points(true), points(false));
+    let Scatter { names: [x_label, title], best, others } = scattered(table, x, y, rows);
     let mut front = best.clone();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let is_front = !x.is_parameter && table.columns.iter().filter(|column| column.goal.is_some()).count() == 2;
     let marks = rows.iter().filter(|&&i| table.rows[i].is_best).take(20);
     let marks = marks.filter_map(|&i| Some((place(x, y, i)?, table.rows[i].point.to_string()))).collect();
     Plot {
-        title: y.name.clone(),
-        x_label: x.name.clone(),
+        title,
+        x_label,
         size: [WIDTH, 340.0],
         series: vec![
             Series { points: others, class: "c1", dots: true },
@@ -269,7 +295,7 @@ fn response_map(a: &Quantity, b: &Quantity, response: &Quantity, rows: &[usize])
     };
     let (xs, ys) = (distinct(0), distinct(1));
     // A grid is drawn as fields, samples as dots at their places.
-    let is_grid = xs.len() * ys.len() <= 4 * means.len() && xs.len() <= 200 && ys.len() <= 200;
+    let is_grid = 3 * xs.len() * ys.len() <= 5 * means.len() && xs.len() <= 200 && ys.len() <= 200;
     let along = |value: f64, values: &[f64], ends: [f64; 2]| {
         let share = match is_grid {
             true => (values.partition_point(|v| *v < value) as f64 + 0.5) / values.len() as f64,

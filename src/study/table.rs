@@ -83,6 +83,11 @@ impl Row {
         }
     }
 
+    /// Whether the point has a project: a bad one has none.
+    pub fn has_project(&self) -> bool {
+        self.exit_code != BAD
+    }
+
     /// A result as a number; flags count as 0 and 1.
     pub fn number(&self, column: usize) -> Option<f64> {
         match &self.cells[column] {
@@ -307,8 +312,8 @@ fn cell_text(cell: &Value) -> String {
     }
 }
 
-/// A result as the page shows it.
-fn shown(cell: &Value) -> String {
+/// A result as pages and the window show it.
+pub fn shown(cell: &Value) -> String {
     match cell {
         Value::Null => "–".to_owned(),
         Value::Bool(flag) => if *flag { "yes" } else { "no" }.to_owned(),
