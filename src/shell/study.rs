@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
-use egui_plot::{Legend, Plot, PlotPoints, Points};
+use egui_plot::{Plot, PlotPoints, Points};
 
 use crate::study::base::{Base, varied_fields};
 use crate::study::definition::{Collect, Method, Parameter, Sampling, Study, StudyCommand, StudyKind};
 use crate::study::folder::{STUDY, StudyError, StudyFolder};
 use crate::study::plots::scatter_of;
-use crate::study::table::{Row, Table, shown};
+use crate::study::table::{PAGE, Row, Table, shown};
 use crate::widgets::panel_parts::notice;
 use crate::widgets::theme::palette;
 use crate::workspaces::context::{PathInfo, PathKind};
@@ -112,7 +112,11 @@ impl StudyWindow {
         self.follow();
         let mut is_open = self.is_open;
         let room = ctx.content_rect().size();
-        let window = egui::Window::new("Study").open(&mut is_open).default_size([680.0, 560.0]).max_size(room * 0.9);
+        let window = egui::Window::new("Study")
+            .open(&mut is_open)
+            .default_pos([80.0, 60.0])
+            .default_size([680.0, 560.0])
+            .max_size(room * 0.9);
         let shown = window.show(ctx, |ui| egui::ScrollArea::vertical().show(ui, |ui| self.contents(ui, here)).inner);
         self.is_open = is_open;
         shown.and_then(|shown| shown.inner).flatten()
@@ -172,7 +176,8 @@ impl StudyWindow {
         }
         if let Some((folder, found)) = &self.seen {
             ui.separator();
-            ui.label(found.sentence()).on_hover_text(folder.display().to_string());
+            let more = format!("{} has more plots", folder.join(PAGE).display());
+            ui.label(found.sentence()).on_hover_text(more);
             plot(ui, found);
             if let Some(point) = table(ui, found) {
                 let name = format!("points/{point:06}/point.sparkpath");
@@ -442,7 +447,9 @@ fn hint(row: &Row) -> String {
 fn plot(ui: &mut Ui, found: &Table) {
     let Some(scatter) = scatter_of(found) else { return };
     let c = palette(ui);
-    Plot::new("study plot")
+    let words = scatter.words;
+    let has_words = !words.is_empty();
+    let plot = Plot::new("study plot")
         .height(180.0)
         .allow_drag(false)
         .allow_scroll(false)
@@ -450,15 +457,17 @@ fn plot(ui: &mut Ui, found: &Table) {
         .allow_boxed_zoom(false)
         .show_background(false)
         .grid_color(c.faint.gamma_multiply(0.35))
-        .legend(Legend::default())
         .x_axis_label(scatter.names[0].clone())
-        .y_axis_label(scatter.names[1].clone())
-        .show(ui, |plot| {
-            plot.points(Points::new("points", PlotPoints::from(scatter.others)).radius(3.0).color(c.faint));
-            if !scatter.best.is_empty() {
-                plot.points(Points::new("best", PlotPoints::from(scatter.best)).radius(4.5).color(c.accent));
-            }
-        });
+        .y_axis_label(scatter.names[1].clone());
+    let word = move |value: f64| {
+        let is_place = value.fract() == 0.0 && value >= 0.0;
+        words.get(value as usize).filter(|_| is_place).cloned().unwrap_or_default()
+    };
+    let plot = if has_words { plot.x_axis_formatter(move |mark, _| word(mark.value)) } else { plot };
+    plot.show(ui, |plot| {
+        plot.points(Points::new("points", PlotPoints::from(scatter.others)).radius(3.0).color(c.faint));
+        plot.points(Points::new("best", PlotPoints::from(scatter.best)).radius(4.5).color(c.accent));
+    });
 }
 
 #[cfg(test)]

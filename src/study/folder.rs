@@ -109,7 +109,8 @@ impl Counts {
     pub fn sentence(&self) -> String {
         let Self { points, feasible, not_feasible, bad, open } = self;
         let open = if *open > 0 { format!(", {open} open") } else { String::new() };
-        format!("{points} points: {feasible} feasible, {not_feasible} not feasible, {bad} bad{open}.")
+        let points = files::report::counted(*points, "point");
+        format!("{points}: {feasible} feasible, {not_feasible} not feasible, {bad} bad{open}.")
     }
 }
 

@@ -149,6 +149,8 @@ fn scatter_axes<'a>(parameters: &'a [Quantity], results: &'a [Quantity]) -> Opti
 pub struct Scatter {
     /// Names of the axes.
     pub names: [String; 2],
+    /// Words along the first axis, which stand at 0, 1 and so on; none where it has numbers.
+    pub words: Vec<String>,
     /// The best points.
     pub best: Vec<[f64; 2]>,
     /// The others.
@@ -166,7 +168,12 @@ fn scattered(table: &Table, x: &Quantity, y: &Quantity, rows: &[usize]) -> Scatt
     let points = |is_best: bool| -> Vec<[f64; 2]> {
         rows.iter().filter(|&&i| table.rows[i].is_best == is_best).filter_map(|&i| place(x, y, i)).collect()
     };
-    Scatter { names: [x.name.clone(), y.name.clone()], best: points(true), others: points(false) }
+    Scatter {
+        names: [x.name.clone(), y.name.clone()],
+        words: x.words.clone(),
+        best: points(true),
+        others: points(false),
+    }
 }
 
 /// Place of a row along both axes.
@@ -175,7 +182,7 @@ fn place(x: &Quantity, y: &Quantity, row: usize) -> Option<[f64; 2]> {
 }
 
 fn scatter(table: &Table, x: &Quantity, y: &Quantity, rows: &[usize]) -> String {
-    let Scatter { names: [x_label, title], best, others } = scattered(table, x, y, rows);
+    let Scatter { names: [x_label, title], best, others, .. } = scattered(table, x, y, rows);
     let mut front = best.clone();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let is_front = !x.is_parameter && table.columns.iter().filter(|column| column.goal.is_some()).count() == 2;
