@@ -9,6 +9,7 @@
 //! * [`workspaces`]: blisk, mold and flank, each with its document, jobs, reports, scenes and panels.
 //! * [`widgets`]: parts of the window that every workspace uses.
 //! * [`shell`]: the frame of the window.
+//! * [`study`]: a command on many variants of a project, and a table of what came out.
 //! * [`reproduce`]: the papers' results beside ours.
 //! * [`cli`]: the command line.
 //!
@@ -18,5 +19,12 @@
 pub mod cli;
 pub mod reproduce;
 pub mod shell;
+pub mod study;
 pub mod widgets;
 pub mod workspaces;
+
+/// Text of a panic.
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().cloned();
+    text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_default()
+}

@@ -17,6 +17,8 @@ mod pictures;
 mod sections;
 #[path = "cli/simulate.rs"]
 mod simulate;
+#[path = "cli/study.rs"]
+mod study;
 #[path = "cli/uncut.rs"]
 mod uncut;
 

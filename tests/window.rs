@@ -40,5 +40,7 @@ mod regions;
 mod releasing;
 #[path = "window/saving.rs"]
 mod saving;
+#[path = "window/study.rs"]
+mod study;
 #[path = "window/working.rs"]
 mod working;

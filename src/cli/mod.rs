@@ -32,6 +32,7 @@ mod reproduce;
 mod setup_sheet;
 mod simulate;
 mod size;
+mod study;
 mod technology;
 mod terminal;
 mod uncut;
@@ -43,6 +44,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::panic_text;
 use crate::shell::run::Opening;
 use crate::shell::startup::run_window;
 use crate::widgets::camera::NamedView;
@@ -110,6 +112,9 @@ enum Command {
     /// The sets of electrodes that burn a wheel in the fewest hours: parts, planes between them, columns, sides and reductions
     /// together, each set certified.
     Design(design::DesignArguments),
+    /// One of these commands on many variants of a project: a grid, a list or samples of its parameters, with one table and
+    /// plots. On this machine, or on many with Snakemake.
+    Study(study::StudyArguments),
     /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times. The
     /// project's own strategy does not matter.
     Compare {
@@ -436,12 +441,6 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Text of a panic.
-fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().cloned();
-    text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_default()
-}
-
 fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> {
     let Some(command) = &arguments.command else {
         if let Some(file) = arguments.file.as_ref().filter(|f| !f.exists()) {
@@ -459,6 +458,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
             simulate::simulate(project, channels.as_ref(), out.as_deref(), session)
         }
         Command::Design(arguments) => design::design(arguments, session),
+        Command::Study(arguments) => study::study(arguments, session),
         Command::Uncut(arguments) => uncut::uncut(arguments, session),
         Command::Electrodes(arguments) => electrodes::electrodes(arguments, session),
         Command::Flank(arguments) => flank::flank(arguments, session),

@@ -1,34 +1,16 @@
 //! `sparkpath uncut FOLDER`: what milling cutters leave of every mold in a folder.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use super::uncut::{AskedMold, MoldArguments};
-use super::{Answer, Session, panic_text};
+use super::{Answer, Session};
+use crate::panic_text;
 use crate::workspaces::mold::job::uncut::uncut as find_uncut;
+use crate::workspaces::mold::paths::meshes_in;
 use crate::workspaces::mold::report::corpus::{Corpus, CorpusFigures, CorpusRow};
-use files::{ExportFolder, paths};
-use import::MESH_ENDINGS;
+use files::ExportFolder;
 use task::Task;
-
-/// Meshes directly in `folder`, by name.
-fn meshes(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let wrong = |error| anyhow::anyhow!("{}: {error}", folder.display());
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(wrong)? {
-        let path = entry.map_err(wrong)?.path();
-        if path.is_file() && MESH_ENDINGS.iter().any(|ending| paths::has_ending(&path, &format!(".{ending}"))) {
-            files.push(path);
-        }
-    }
-    anyhow::ensure!(
-        !files.is_empty(),
-        "{}: there is no mesh in this folder: STL, OBJ, glTF, GLB or STEP",
-        folder.display()
-    );
-    files.sort();
-    Ok(files)
-}
 
 /// Finds what the cutters leave of every mesh in `folder` with what `mold` asks for, prints one table and writes it into
 /// `out` if there is one. A mold that fails does not end the work. The answer is no if one failed.
@@ -38,7 +20,7 @@ pub(super) fn uncut_folder(
     out: Option<&Path>,
     session: &Session,
 ) -> anyhow::Result<Answer> {
-    let files = meshes(folder)?;
+    let files = meshes_in(folder).map_err(|why| anyhow::anyhow!("{}: {why}", folder.display()))?;
     out.map_or(Ok(()), ExportFolder::check)?;
     mold.of_file(&files[0])?.check()?;
     let mut corpus = Corpus { folder: folder.display().to_string(), molds: files.len(), rows: Vec::new() };

@@ -25,6 +25,8 @@ pub enum Asking {
     Document(usize),
     /// A workspace: its number, and the number of the path in its table.
     Workspace(usize, usize),
+    /// The window of studies, for a folder to run one in, or else to look at one.
+    Study(bool),
 }
 
 /// Path of a picture.

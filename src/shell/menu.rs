@@ -23,7 +23,7 @@ pub fn show(
             recent(ui, cx, &mut open);
             let new = [here.menu(Menu::New).concat(), of(&[F::Reload])].concat();
             let save = [of(&[F::Save, F::SaveAs]), here.menu(Menu::Save).concat()].concat();
-            groups(ui, here, cx, &vec![new, save, of(&[F::Export, F::Screenshot]), of(&[F::Quit])]);
+            groups(ui, here, cx, &vec![new, save, of(&[F::Export, F::Screenshot, F::Study]), of(&[F::Quit])]);
         });
         ui.menu_button("Edit", |ui| edit(ui, here, cx));
         ui.menu_button(here.about().menu, |ui| groups(ui, here, cx, &here.menu(Menu::Own)));

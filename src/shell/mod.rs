@@ -9,6 +9,7 @@ pub mod pictures;
 pub mod run;
 pub mod startup;
 pub mod status;
+pub mod study;
 pub mod system_dialogs;
 
 pub use crate::workspaces::preferences::{Preferences, ThemeChoice};

@@ -170,6 +170,7 @@ pub enum FrameCommand {
     View(StandardView),
     Projection,
     Screenshot,
+    Study,
     Theme,
     Preferences,
     Log,
@@ -187,7 +188,7 @@ impl CommandSet for FrameCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 29] = [
+        static TABLE: [(C, CommandInfo); 30] = [
             (C::Open, info("Open…").ctrl(Key::O)),
             (C::Reload, info("Reload meshes").ctrl(Key::R)),
             (C::Save, info("Save").ctrl(Key::S)),
@@ -204,6 +205,7 @@ impl CommandSet for FrameCommand {
             (C::Fit, info("Fit all").key(Key::F)),
             (C::Projection, info("Perspective or orthographic").key(Key::P)),
             (C::Screenshot, info("Save picture…")),
+            (C::Study, info("Study…")),
             (C::Theme, info("Dark or light")),
             (C::Preferences, info("Preferences…").ctrl(Key::Comma)),
             (C::Log, info("Log").ctrl(Key::L)),

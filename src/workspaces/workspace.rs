@@ -131,6 +131,15 @@ pub trait Workspace: Any + Commanded {
     /// [`Request::Recovered`]: super::context::Request::Recovered
     fn recover(&mut self, copy: Recovery, cx: &mut Context);
 
+    /// Takes the parameters in the project `file`, which is of the workspace's kind, in the place of the present ones, as a step
+    /// called `label` that can be undone.
+    ///
+    /// # Errors
+    /// One line for the user.
+    fn take_parameters(&mut self, file: &Path, _label: &str) -> Result<(), String> {
+        Err(format!("{}: this workspace takes no parameters from points", file.display()))
+    }
+
     /// Takes the path that the workspace has asked for under this number.
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context);
 

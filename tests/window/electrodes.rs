@@ -244,7 +244,7 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
 
 impl Desk {
     /// Types `text` in the place of what the field called `name` holds, and leaves it.
-    fn type_in(&mut self, name: &str, text: &str) {
+    pub fn type_in(&mut self, name: &str, text: &str) {
         self.press_role(Role::TextInput, name);
         self.key_with(Modifiers::COMMAND, Key::A);
         self.window.event(egui::Event::Text(text.to_owned()));

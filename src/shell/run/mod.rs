@@ -12,6 +12,7 @@ use crate::shell::dialogs::{self, Dialog, Intent};
 use crate::shell::files::{Asking, Chosen, FileDialogs, PICTURE, Purpose};
 use crate::shell::palette::CommandPalette;
 use crate::shell::pictures::Pictures;
+use crate::shell::study::{LOOK_AT, RUN_IN, StudyAnswer, StudyWindow};
 use crate::shell::{menu, status};
 use crate::widgets::theme;
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Scope, pressed};
@@ -92,6 +93,7 @@ pub struct SparkpathApp {
     behind: Vec<Dialog>,
     files: FileDialogs,
     pictures: Pictures,
+    study: StudyWindow,
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
@@ -151,6 +153,7 @@ impl SparkpathApp {
             behind: Vec::new(),
             files: FileDialogs::default(),
             pictures: Pictures::default(),
+            study: StudyWindow::default(),
             log_open: false,
             folders,
             autosave,
@@ -230,7 +233,7 @@ impl SparkpathApp {
 
     /// Whether work is under way.
     pub fn is_busy(&self) -> bool {
-        self.pictures.is_busy() || self.workspaces.iter().any(|one| one.is_busy())
+        self.pictures.is_busy() || self.study.is_busy() || self.workspaces.iter().any(|one| one.is_busy())
     }
 
     /// Whether a document is being read.
@@ -459,6 +462,7 @@ impl SparkpathApp {
             }
             Some(F::Palette) => self.palette.toggle(),
             Some(F::Log) => self.log_open = !self.log_open,
+            Some(F::Study) => self.study.is_open = !self.study.is_open,
             Some(F::About) => self.put_up(Dialog::About),
             _ => self.with(shown, |workspace, cx| workspace.run(command, cx, now)),
         }
@@ -533,11 +537,35 @@ impl SparkpathApp {
         let is_enabled = |command: Command| command.scope == Scope::Switch || here.is_enabled(command);
         self.palette.show(ctx, &mut self.cx, commands, is_enabled);
         dialogs::log(ctx, &self.cx, &mut self.log_open);
+        match self.study.show(ctx, &*self.workspaces[self.shown]) {
+            Some(StudyAnswer::FolderToRun) => self.ask(Purpose { of: Asking::Study(true), info: &RUN_IN }, "", ctx),
+            Some(StudyAnswer::FolderToSee) => self.ask(Purpose { of: Asking::Study(false), info: &LOOK_AT }, "", ctx),
+            Some(StudyAnswer::Take(point, project)) => self.take_point(point, &project),
+            None => {}
+        }
         let answer = dialogs::show(ctx, (&mut self.workspaces, &mut self.cx), &mut self.dialog, &self.adapter);
         self.cx.take_turn(self.shown);
         if let Some(answer) = answer {
             self.answer(answer, ctx);
         }
+    }
+
+    /// Takes the parameters of a point of a study in the workspace of its kind, as a step that can be undone.
+    fn take_point(&mut self, point: usize, project: &Path) {
+        let Some(owner) = self.owner(project) else { return };
+        self.shown = owner;
+        let taken =
+            self.with(owner, |workspace, _| workspace.take_parameters(project, &format!("Point {point} of a study")));
+        match taken {
+            Ok(()) => self
+                .say(EventKind::Done, format!("the parameters of point {point} are taken; undo gives the former ones")),
+            Err(why) => self.error("The parameters of this point cannot be taken", why),
+        }
+    }
+
+    /// The window of studies: for tests.
+    pub fn study(&self) -> &StudyWindow {
+        &self.study
     }
 
     fn retitle(&mut self, ctx: &egui::Context) {

@@ -95,7 +95,7 @@ impl SparkpathApp {
     /// Drops what was to follow a path for `purpose`, because none was given.
     pub(super) fn cancelled(&mut self, purpose: Purpose) {
         match purpose.of {
-            Asking::Picture => {}
+            Asking::Picture | Asking::Study(_) => {}
             Asking::Document(i) => drop(self.after_save.take_if(|(of, _)| *of == i)),
             Asking::Workspace(i, number) => {
                 self.given_up.clear();
@@ -133,6 +133,8 @@ impl SparkpathApp {
         match purpose.of {
             Asking::Picture => self.write_picture(&path),
             Asking::Document(i) => self.save_as(i, &path, ctx),
+            Asking::Study(true) => self.study.run(&path, &*self.workspaces[self.shown], ctx),
+            Asking::Study(false) => self.study.look_at(&path, ctx),
             Asking::Workspace(i, number) => {
                 let owner = if purpose.info.opens && is_project(&path) { self.owner(&path) } else { Some(i) };
                 match owner {

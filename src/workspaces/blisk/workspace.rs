@@ -488,6 +488,12 @@ impl Workspace for BliskWorkspace {
         self.begin(Source::Copy(copy));
     }
 
+    fn take_parameters(&mut self, file: &Path, label: &str) -> Result<(), String> {
+        let project = Document::open(file).map_err(|error| error.to_string())?;
+        self.desk.edit(label, project.params().clone(), false);
+        Ok(())
+    }
+
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match BliskPath::at(number) {
             Some(BliskPath::Open) => self.opening.go_on(Pending::Open(path), cx),

@@ -1,8 +1,32 @@
 //! The paths that the workspace asks for.
 
+use std::path::{Path, PathBuf};
+
 use crate::workspaces::context::{PROJECT, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
+use files::paths::has_ending;
 use import::MESH_ENDINGS;
+
+/// Meshes directly in `folder`, by name.
+///
+/// # Errors
+/// One line without the name of the folder, also if there is no mesh.
+pub fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let unreadable = |error| format!("cannot be read ({error}); check the path");
+    let is_mesh = |path: &Path| MESH_ENDINGS.iter().any(|ending| has_ending(path, &format!(".{ending}")));
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.is_file() && is_mesh(&path) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    if files.is_empty() {
+        return Err("there is no mesh in this folder: STL, OBJ, glTF, GLB or STEP".to_owned());
+    }
+    Ok(files)
+}
 
 /// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -412,6 +412,12 @@ impl Workspace for MoldWorkspace {
         !self.opening.moved.is_asking()
     }
 
+    fn take_parameters(&mut self, file: &Path, _label: &str) -> Result<(), String> {
+        let project = Document::<MoldParams>::open(file).map_err(|error| error.to_string())?;
+        self.desk.edit(project.params().clone());
+        Ok(())
+    }
+
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match MoldPath::at(number) {
             Some(MoldPath::Open) => self.go_on(Pending::Open(path), cx),
