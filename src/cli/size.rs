@@ -18,7 +18,8 @@ pub(super) fn size(project: &ProjectArguments, parts: usize, session: &Session) 
     };
     if !session.json {
         super::terminal::finish();
-        say!("parts  enter  low deg  high deg  thickness mm  volume mm3  certified mm");
+        let stage = if inputs.job.electrode.stage.is_empty() { "" } else { "  stage" };
+        say!("parts  enter  low deg  high deg  thickness mm  volume mm3  certified mm{stage}");
     }
     let rows = size_job(&prepared, &inputs, range, &show, &session.task)?;
     super::terminal::finish();

@@ -96,7 +96,7 @@ pub fn glb(json: &str, buffer: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The same mesh in every format.
+/// A mesh in every format.
 pub fn every_format(mesh: &Mesh) -> [(Format, Vec<u8>); 5] {
     [
         (Format::StlBinary, binary_stl(mesh, "part")),

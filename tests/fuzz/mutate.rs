@@ -36,7 +36,7 @@ const WORDS: [&str; 20] = [
 /// Most bytes of an input.
 const LONGEST: usize = 64 << 10;
 
-/// One of `seeds` after one to eight changes.
+/// Any of `seeds` after one to eight changes.
 pub fn mutated(seeds: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
     let mut bytes = seeds.choose(random).cloned().unwrap_or_default();
     for _ in 0..random.random_range(1..=8) {

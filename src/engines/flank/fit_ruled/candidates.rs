@@ -109,7 +109,8 @@ impl Candidate {
 /// If a parameter has no meaning, or it was told to stop.
 pub fn flank_candidates(mesh: &Mesh, params: &RuledFitParams, task: &Task) -> Result<Vec<Candidate>, RuledFitError> {
     task.check()?;
-    candidates_among(mesh, &Segmentation::of(mesh, &SegmentationSettings::default()), params, task)
+    let faces = Segmentation::find(mesh, &SegmentationSettings::default(), &task.cancel)?;
+    candidates_among(mesh, &faces, params, task)
 }
 
 /// [`flank_candidates`] among faces that are known, those of a CAD program for instance.

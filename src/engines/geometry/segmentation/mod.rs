@@ -22,6 +22,7 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
 use serde::{Deserialize, Serialize};
+use task::{Cancel, Cancelled};
 
 use self::chains::Segment;
 use self::facets::{Facets, Flat};
@@ -313,7 +314,17 @@ impl Segmentation {
     /// Finds the faces and edges of `mesh`, vertices at the same place taken as one. Triangles without area go to a
     /// face beside them; those with corners that are no points make a face of free form together.
     pub fn of(mesh: &Mesh, settings: &SegmentationSettings) -> Self {
+        // Nobody can cancel it.
+        Self::find(mesh, settings, &Cancel::default()).unwrap_or_default()
+    }
+
+    /// [`of`](Self::of), which can be cancelled.
+    ///
+    /// # Errors
+    /// When cancelled.
+    pub fn find(mesh: &Mesh, settings: &SegmentationSettings, cancel: &Cancel) -> Result<Self, Cancelled> {
         let topology = Topology::of(mesh);
+        cancel.check()?;
         let plane_tolerance = settings.plane_tolerance.max(4.0 * topology.rounding);
         let fit_tolerance = settings.fit_tolerance.max(16.0 * topology.rounding);
         let facets = Facets::of(&topology, settings.plane_angle_deg.to_radians(), plane_tolerance);
@@ -324,7 +335,8 @@ impl Segmentation {
             turn: strip_turn,
             least_cosine: (0.6 * strip_turn).cos(),
         };
-        let mut regions = strips::find(&topology, &facets, limits);
+        cancel.check()?;
+        let mut regions = strips::find(&topology, &facets, limits, cancel)?;
         let turns = [settings.plane_angle_deg.to_radians(), strip_turn];
         let mut is_row = strips::rows(&topology, &facets, &regions, turns).into_iter();
         regions.retain(|_| is_row.next() != Some(true));
@@ -336,10 +348,12 @@ impl Segmentation {
             region.facets.iter().for_each(|&f| label[f as usize] = surfaces.len() as u32);
             surfaces.push(Surface::Revolved(region.surface, region.is_hollow));
         }
+        cancel.check()?;
         label_rest(&facets, &mut label, &mut surfaces, settings);
         join_slivers(&topology, &facets, &mut label, plane_tolerance);
         let of_triangle = labels_of_triangles(&topology, &facets, &label, &mut surfaces);
-        Self::labelled(&topology, &of_triangle, &surfaces, settings)
+        cancel.check()?;
+        Ok(Self::labelled(&topology, &of_triangle, &surfaces, settings))
     }
 
     /// The faces of a mesh whose faces are known by number, with the number of the face of each triangle. A face without

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::facets::{Facets, Link};
 use super::revolved::Revolved;
 use super::topology::{NONE, Topology};
+use task::{Cancel, Cancelled};
 
 /// Facets taken before and after the two that a strip starts from.
 const REACH: usize = 2;
@@ -66,7 +67,12 @@ struct Strip {
 }
 
 /// The cylinders and cones among the facets; none shares a facet with another.
-pub(super) fn find(topology: &Topology, facets: &Facets, limits: Limits) -> Vec<Region> {
+pub(super) fn find(
+    topology: &Topology,
+    facets: &Facets,
+    limits: Limits,
+    cancel: &Cancel,
+) -> Result<Vec<Region>, Cancelled> {
     let mut grower = Grower {
         topology,
         facets,
@@ -82,6 +88,7 @@ pub(super) fn find(topology: &Topology, facets: &Facets, limits: Limits) -> Vec<
         if pair.iter().any(|&f| grower.is_taken[f]) || pair.iter().all(|&f| trials[f] >= TRIALS) {
             continue;
         }
+        cancel.check()?;
         let Some(strip) = grower.strip(i, link) else { continue };
         match grower.region(&strip) {
             Ok(region) => {
@@ -91,7 +98,7 @@ pub(super) fn find(topology: &Topology, facets: &Facets, limits: Limits) -> Vec<
             Err(tried) => tried.iter().for_each(|&f| trials[f as usize] = trials[f as usize].saturating_add(1)),
         }
     }
-    found
+    Ok(found)
 }
 
 struct Grower<'a> {

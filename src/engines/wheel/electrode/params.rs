@@ -179,11 +179,6 @@ impl EnterSide {
         }
     }
 
-    /// Whether the better side is wanted.
-    pub fn is_auto(&self) -> bool {
-        *self == Self::Auto
-    }
-
     /// Whether an electrode may enter from `side`.
     pub fn allows(self, side: EntrySide) -> bool {
         self == Self::Auto || self == side.into()
@@ -386,14 +381,14 @@ impl ElectrodeParams {
         let of_stage = self.of_stage(stage);
         let (part, _) = of_stage.place_of(number);
         let own = self.stage.get_mut(stage).filter(|own| {
-            !own.part.is_empty() || !own.enter.is_auto() || own.parts.is_some_and(|parts| parts != self.parts)
+            !own.part.is_empty() || own.enter.is_some() || own.parts.is_some_and(|parts| parts != self.parts)
         });
         if let Some(own) = own {
+            own.part = of_stage.part;
             if of_stage.parts == 1 {
-                own.enter = side;
+                own.enter = Some(side);
                 own.part.iter_mut().for_each(|row| row.enter = EnterSide::Auto);
             } else {
-                own.part = of_stage.part;
                 own.part.resize(own.part.len().max(part + 1), PartParams::default());
                 own.part[part].enter = side;
             }

@@ -27,10 +27,11 @@ pub struct StageParams {
     /// 1, or 2 to divide every part left and right; none for that of all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub columns: Option<usize>,
-    /// Side of entry; automatic: that of all.
-    pub enter: EnterSide,
-    /// What single parts have of their own in this stage, in place of what they have in all (`[[electrode.stage.part]]`). With
-    /// another number of parts than that of all, these rows alone hold.
+    /// Side of entry; none for that of all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enter: Option<EnterSide>,
+    /// Own values of single parts in this stage (`[[electrode.stage.part]]`). Where there are any, or where the stage has another
+    /// number of parts, nothing of `[[electrode.part]]` holds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub part: Vec<PartParams>,
     /// Circumferential reduction of the low wall (deg); none for that of all.
@@ -57,7 +58,7 @@ impl Default for StageParams {
             stock_mm: 0.0,
             parts: None,
             columns: None,
-            enter: EnterSide::Auto,
+            enter: None,
             part: Vec::new(),
             low_reduction_deg: None,
             high_reduction_deg: None,
@@ -151,7 +152,7 @@ impl ElectrodeParams {
     }
 
     /// Stage of electrode number `number`, and its number in that stage. Electrodes count from 0, those of the first stage
-    /// first.
+    /// first; a number beyond them is taken for the last.
     pub fn in_stage(&self, number: usize) -> (usize, usize) {
         let mut in_stage = number;
         for stage in 0..self.stages() {
@@ -161,7 +162,8 @@ impl ElectrodeParams {
             }
             in_stage -= count;
         }
-        (self.stages() - 1, number)
+        let last = self.stages() - 1;
+        (last, self.of_stage(last).count().saturating_sub(1))
     }
 
     /// Parameters that hold for electrode number `number`: those of its stage and part.
@@ -207,7 +209,7 @@ impl ElectrodeParams {
             parts,
             part: if own.part.is_empty() && parts == self.parts { self.part.clone() } else { own.part.clone() },
             columns: own.columns.unwrap_or(self.columns),
-            enter: if own.enter.is_auto() { self.enter } else { own.enter },
+            enter: own.enter.unwrap_or(self.enter),
             circumferential_reduction_deg: [
                 own.low_reduction_deg.unwrap_or(low),
                 own.high_reduction_deg.unwrap_or(high),
@@ -255,6 +257,7 @@ mod tests {
         (uneven.stage[0].parts, uneven.stage[0].columns) = (Some(3), Some(1));
         assert_eq!((uneven.validate(), uneven.count()), (Ok(()), 7));
         assert_eq!([0, 2, 3, 6].map(|n| uneven.in_stage(n)), [(0, 0), (0, 2), (1, 0), (1, 3)]);
+        assert_eq!(uneven.in_stage(7), (1, 3), "beyond the last");
         let none = ElectrodeParams { stage: Vec::new(), ..params };
         assert_eq!((none.count(), none.in_stage(3), none.stage_of(3)), (4, (0, 3), None));
         assert_eq!(none.label(3), "4");
@@ -271,7 +274,7 @@ mod tests {
         params.part = vec![PartParams { low_reduction_deg: Some(3.0), ..PartParams::default() }];
         assert_eq!(params.of_stage(0).of_part(0).circumferential_reduction_deg, [3.0, 0.8]);
         assert_eq!(params.of_stage(0).of_part(1).circumferential_reduction_deg, [2.0, 0.8]);
-        params.stage[1].enter = EnterSide::MinusX;
+        params.stage[1].enter = Some(EnterSide::MinusX);
         params.stage[1].part = vec![PartParams { high_reduction_deg: Some(0.5), ..PartParams::default() }];
         let finish = params.of_electrode(4);
         assert_eq!((finish.circumferential_reduction_deg, finish.enter), ([0.8, 0.5], EnterSide::MinusX));

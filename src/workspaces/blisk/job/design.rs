@@ -18,7 +18,7 @@ use feed::genetic::ReductionMode;
 use feed::plan_params::Strategy;
 use files::Validate as _;
 use task::Task;
-use wheel::electrode::{ElectrodeParams, PartParams, Sizing};
+use wheel::electrode::{ElectrodeParams, EnterSide, PartParams, Sizing};
 
 /// Sets of electrodes that are tried, in every stage.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,6 +172,7 @@ impl DesignRow {
     /// `electrode` without everything that [`apply`](Self::apply) sets, of any set.
     pub fn forget(electrode: &mut ElectrodeParams) {
         SizeRow::forget(electrode);
+        (electrode.parts, electrode.enter, electrode.circumferential_reduction_deg) = (1, EnterSide::Auto, [0.0; 2]);
         (electrode.columns, electrode.part, electrode.radial_reduction_mm) = (1, Vec::new(), 0.0);
         for stage in &mut electrode.stage {
             (stage.columns, stage.part, stage.radial_reduction_mm) = (None, Vec::new(), None);
@@ -312,7 +313,7 @@ struct Candidate {
     sized: Sized,
 }
 
-/// One candidate for each stage.
+/// Number of the candidate of each stage.
 type Choice = Vec<usize>;
 
 struct Search<'a> {
@@ -519,7 +520,7 @@ pub fn mark_best(rows: &mut [DesignRow]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wheel::electrode::{EnterSide, StageParams};
+    use wheel::electrode::StageParams;
 
     fn row(minutes: Option<f64>, needed: usize, residual_mm: f64, breaks: &[&str]) -> DesignRow {
         let size = SizeRow {
@@ -527,6 +528,7 @@ mod tests {
             parts: needed,
             enter: EnterSide::MinusX,
             reduction_deg: vec![[1.0, 1.5]],
+            part: Vec::new(),
             least_thickness_mm: 2.0,
             volume_mm3: 100.0,
             certified_mm: 0.099,

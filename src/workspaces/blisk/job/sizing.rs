@@ -42,6 +42,9 @@ pub struct SizeRow {
     /// Circumferential reductions of the low and the high wall (deg): a row that holds for all parts, or one for each part along
     /// the passage.
     pub reduction_deg: Vec<[f64; 2]>,
+    /// Own values of single parts beside their reductions.
+    #[serde(skip)]
+    pub part: Vec<PartParams>,
     /// The thinnest metal of any of the parts between its walls (mm).
     pub least_thickness_mm: f64,
     /// Volume of all parts with shank and holder (mm^3).
@@ -55,43 +58,40 @@ pub struct SizeRow {
 }
 
 impl SizeRow {
-    /// Puts parts, side and reductions of the row into its stage of `job`, with the search that found them; with another number
-    /// of parts than before its single parts have nothing of their own.
+    /// Puts parts, side and reductions of the row into its stage of `job`, with the search that found them.
     pub fn apply(&self, job: &mut PlanJob) {
         (job.plan.strategy, job.genetic.h) = (Strategy::Global, ReductionMode::Given);
         let electrode = &mut job.electrode;
         electrode.size = SizeMode::Given;
-        let stage = electrode.stage.iter().position(|stage| Some(&stage.name) == self.stage.as_ref());
-        let mut sized = electrode.of_stage(stage.unwrap_or_default());
-        with_parts(&mut sized, self.parts);
+        let mut sized = ElectrodeParams { part: self.part.clone(), ..ElectrodeParams::default() };
         reduce(&mut sized, &self.reduction_deg);
-        sized.enter = self.enter;
-        let Some(own) = stage.and_then(|stage| electrode.stage.get_mut(stage)) else {
-            let ElectrodeParams { parts, part, enter, circumferential_reduction_deg, .. } = sized;
-            *electrode = ElectrodeParams { parts, part, enter, circumferential_reduction_deg, ..electrode.clone() };
+        let walls = sized.circumferential_reduction_deg;
+        let Some(own) = electrode.stage.iter_mut().find(|stage| Some(&stage.name) == self.stage.as_ref()) else {
+            (electrode.parts, electrode.part, electrode.enter) = (self.parts, sized.part, self.enter);
+            electrode.circumferential_reduction_deg = walls;
             return;
         };
-        own.parts = (self.parts != electrode.parts).then_some(self.parts);
-        own.part = if own.parts.is_none() && sized.part == electrode.part { Vec::new() } else { sized.part };
-        own.enter = if self.enter == electrode.enter { EnterSide::Auto } else { self.enter };
-        [own.low_reduction_deg, own.high_reduction_deg] = sized.circumferential_reduction_deg.map(Some);
+        (own.parts, own.enter) = (Some(self.parts), Some(self.enter));
+        [own.low_reduction_deg, own.high_reduction_deg] = walls.map(Some);
+        own.part = sized.part;
+        // Without a row of its own the stage would have those of all.
+        if own.part.is_empty() && !electrode.part.is_empty() {
+            own.part.push(PartParams::default());
+        }
     }
 
     /// `electrode` without everything that [`apply`](Self::apply) sets, of any row.
     pub fn forget(electrode: &mut ElectrodeParams) {
-        (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, SizeMode::Given);
-        let unsized_rows = |part: &mut Vec<PartParams>| {
-            for row in part.iter_mut() {
-                (row.low_reduction_deg, row.high_reduction_deg) = (None, None);
-            }
-            part.truncate(part.iter().rposition(|row| *row != PartParams::default()).map_or(0, |last| last + 1));
-        };
-        electrode.circumferential_reduction_deg = [0.0; 2];
-        unsized_rows(&mut electrode.part);
+        electrode.size = SizeMode::Given;
+        if electrode.stage.is_empty() {
+            (electrode.parts, electrode.enter) = (1, EnterSide::Auto);
+            electrode.circumferential_reduction_deg = [0.0; 2];
+            without_reductions(&mut electrode.part);
+        }
         for stage in &mut electrode.stage {
-            (stage.parts, stage.enter) = (None, EnterSide::Auto);
+            (stage.parts, stage.enter) = (None, None);
             (stage.low_reduction_deg, stage.high_reduction_deg) = (None, None);
-            unsized_rows(&mut stage.part);
+            without_reductions(&mut stage.part);
         }
     }
 
@@ -253,13 +253,19 @@ fn with_parts(electrode: &mut ElectrodeParams, parts: usize) {
     }
 }
 
+/// Takes the reductions of the walls out of rows of single parts, and rows at the end that have nothing more.
+fn without_reductions(part: &mut Vec<PartParams>) {
+    for row in part.iter_mut() {
+        (row.low_reduction_deg, row.high_reduction_deg) = (None, None);
+    }
+    part.truncate(part.iter().rposition(|row| *row != PartParams::default()).map_or(0, |last| last + 1));
+}
+
 /// Gives the walls of `electrode`, which has no stages, the reductions of a row (deg).
 fn reduce(electrode: &mut ElectrodeParams, reduction_deg: &[[f64; 2]]) {
     let most = |wall: usize| reduction_deg.iter().map(|walls| walls[wall]).fold(0.0, f64::max);
     electrode.circumferential_reduction_deg = [most(0), most(1)];
-    for row in &mut electrode.part {
-        (row.low_reduction_deg, row.high_reduction_deg) = (None, None);
-    }
+    without_reductions(&mut electrode.part);
     if let [_, _, ..] = reduction_deg {
         electrode.part.resize(reduction_deg.len(), PartParams::default());
         for (row, [low, high]) in electrode.part.iter_mut().zip(reduction_deg) {
@@ -500,6 +506,8 @@ impl Sizing<'_> {
         let upwards = |walls: [f64; 2]| walls.map(|deg| (deg * 1e3).ceil() / 1e3);
         let reduction_deg: Vec<[f64; 2]> = reduction_deg.into_iter().map(upwards).collect();
         reduce(&mut inputs.job.electrode, &reduction_deg);
+        let mut part = inputs.job.electrode.part.clone();
+        without_reductions(&mut part);
         let mut outcome = run_feeds(self.prepared, inputs, self.task)?;
         if !outcome.is_verified() {
             return Ok(Err(outcome));
@@ -514,6 +522,7 @@ impl Sizing<'_> {
             parts: inputs.job.electrode.parts,
             enter: inputs.job.electrode.enter,
             reduction_deg,
+            part,
             least_thickness_mm: electrodes().map(|e| e.electrode.least_thickness_mm).fold(f64::INFINITY, f64::min),
             volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
             certified_mm: certified.fold(f64::INFINITY, f64::min),
@@ -546,4 +555,91 @@ fn limit_of(outcome: &PlanOutcome, limiting: usize) -> Option<SizeLimit> {
 
 fn only(side: EntrySide) -> EnterSide {
     side.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wheel::electrode::StageParams;
+
+    fn row(stage: Option<&str>, parts: usize, reduction_deg: Vec<[f64; 2]>, until: Option<f64>) -> SizeRow {
+        let part = until.into_iter().map(|until| PartParams { until: Some(until), ..PartParams::default() }).collect();
+        SizeRow {
+            stage: stage.map(str::to_owned),
+            parts,
+            enter: EnterSide::Auto,
+            reduction_deg,
+            part,
+            least_thickness_mm: 2.0,
+            volume_mm3: 100.0,
+            certified_mm: 0.1,
+            limit: None,
+            raised_deg: 0.0,
+        }
+    }
+
+    /// A job whose parts have a division and a reduction of their own, in two stages if wanted.
+    fn job(is_staged: bool) -> PlanJob {
+        let mut job = PlanJob::demonstration();
+        let own = PartParams { until: Some(0.4), low_reduction_deg: Some(3.0), ..PartParams::default() };
+        (job.electrode.parts, job.electrode.part, job.electrode.enter) = (2, vec![own], EnterSide::PlusX);
+        if is_staged {
+            let stage =
+                |name: &str, spark_gap_mm| StageParams { name: name.to_owned(), spark_gap_mm, ..Default::default() };
+            job.electrode.stage = vec![stage("rough", 0.3), stage("finish", 0.1)];
+        }
+        job
+    }
+
+    /// What a row says is what the job has afterwards, whichever row was taken before.
+    #[test]
+    fn a_row_that_is_taken_leaves_nothing_of_the_one_before() {
+        for stage in [None, Some("finish")] {
+            let one = row(stage, 1, vec![[1.0, 1.0]], None);
+            let two = row(stage, 2, vec![[1.0, 2.0], [0.5, 0.25]], Some(0.4));
+            let equal = row(stage, 2, vec![[1.5, 1.5]], Some(0.4));
+            for taken in [&one, &two, &equal] {
+                let mut direct = job(stage.is_some());
+                taken.apply(&mut direct);
+                direct.validate().unwrap();
+                let last = direct.electrode.of_last_stage();
+                assert_eq!((last.parts, last.enter), (taken.parts, EnterSide::Auto));
+                for part in 0..taken.parts {
+                    let walls = taken.reduction_deg.get(part).unwrap_or(&taken.reduction_deg[0]);
+                    assert_eq!(last.of_part(part).circumferential_reduction_deg, *walls, "{taken:?}");
+                }
+                assert_eq!(last.part.first().and_then(|row| row.until), taken.part.first().and_then(|row| row.until));
+                for before in [&one, &two, &equal] {
+                    let mut after = job(stage.is_some());
+                    before.apply(&mut after);
+                    assert!(before.is_applied(&after));
+                    taken.apply(&mut after);
+                    assert_eq!(after, direct, "{before:?} then {taken:?}");
+                }
+            }
+        }
+    }
+
+    /// A table stays current while its rows are taken, and no longer once what they were found with is changed.
+    #[test]
+    fn what_is_forgotten_is_what_rows_set() {
+        let forgotten = |job: &PlanJob| {
+            let mut electrode = job.electrode.clone();
+            SizeRow::forget(&mut electrode);
+            electrode
+        };
+        for stage in [None, Some("rough")] {
+            let mut plain = job(stage.is_some());
+            // Divisions of single parts are kept only by rows of as many parts.
+            plain.electrode.part.clear();
+            let mut taken = plain.clone();
+            row(stage, 3, vec![[1.0, 2.0], [0.5, 0.25], [0.1, 0.2]], None).apply(&mut taken);
+            assert_eq!(forgotten(&taken), forgotten(&plain));
+            taken.electrode.spark_gap_mm += 0.01;
+            assert_ne!(forgotten(&taken), forgotten(&plain));
+        }
+        let mut entered = job(true);
+        entered.electrode.enter = EnterSide::MinusX;
+        assert_ne!(forgotten(&entered), forgotten(&job(true)), "stages without a side of their own enter from it");
+    }
 }

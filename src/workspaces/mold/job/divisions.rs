@@ -143,7 +143,7 @@ pub fn compare_divisions<'a>(
     let task = &task.as_stage("divisions");
     let mold = mold.into();
     on_milled(mold.mesh, uncut, task, |upright, milled| {
-        let faces = mold.segmentation(upright, uncut.params.opening);
+        let faces = mold.segmentation(upright, uncut.params.opening, &task.cancel)?;
         let in_the_way = mold.in_the_way(upright, uncut.params.opening);
         let of_way = |way: Way| -> Result<WayResult, ElectrodesError> {
             task.check()?;

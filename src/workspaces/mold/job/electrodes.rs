@@ -19,7 +19,7 @@ use mold::electrode::residual_stock::Milled;
 use mold::electrode::setting::{ElectrodeError, RegionToBurn};
 use mold::height_field::{Covered, HeightField};
 use mold::opening::Opening;
-use task::{Cancelled, Task};
+use task::{Cancel, Cancelled, Task};
 
 /// Share of a face that has to be left for all of it to be: pieces at its border are known roughly.
 const WHOLE: f64 = 0.9;
@@ -93,13 +93,21 @@ impl MoldBody<'_> {
 
     /// The faces of `upright`, its mesh turned so that `opening` looks along +Z: those of the CAD program, or those that
     /// the triangles show.
-    pub(super) fn segmentation(self, upright: &Mesh, opening: Opening) -> Segmentation {
+    ///
+    /// # Errors
+    /// When cancelled.
+    pub(super) fn segmentation(
+        self,
+        upright: &Mesh,
+        opening: Opening,
+        cancel: &Cancel,
+    ) -> Result<Segmentation, Cancelled> {
         let settings = SegmentationSettings::default();
-        let Some(cad) = self.faces else { return Segmentation::of(upright, &settings) };
+        let Some(cad) = self.faces else { return Segmentation::find(upright, &settings, cancel) };
         let [x, y, z] = DVec3::AXES.map(|axis| opening.upright(axis));
         let turn = DMat4::from_mat3(DMat3::from_cols(x, y, z));
         let known: Vec<KnownFace> = cad.faces.iter().map(|face| face.placed(&turn, 1.0)).collect();
-        Segmentation::of_faces(upright, &known, &cad.face_of, &settings)
+        Ok(Segmentation::of_faces(upright, &known, &cad.face_of, &settings))
     }
 }
 
@@ -116,7 +124,7 @@ pub fn electrodes<'a>(
     params.validate().map_err(ElectrodeError::from)?;
     let mold = mold.into();
     on_milled(mold.mesh, uncut, task, |upright, milled| {
-        let faces = mold.segmentation(upright, uncut.params.opening);
+        let faces = mold.segmentation(upright, uncut.params.opening, &task.cancel)?;
         let regions = to_burn(upright, &faces, uncut, false);
         task.check()?;
         let in_the_way = mold.in_the_way(upright, uncut.params.opening);

@@ -21,6 +21,14 @@ pub(super) const SIDES: &[Word] = &[
     word("outward", "rim", ""),
     word("inward", "bore", ""),
 ];
+pub(super) const SIDES_OF_STAGE: &[Word] = &[
+    word("", "as all", "The side of entry of all stages"),
+    word("auto", "automatic", ""),
+    word("-x", "-X", ""),
+    word("+x", "+X", ""),
+    word("outward", "rim", ""),
+    word("inward", "bore", ""),
+];
 pub(super) const Z_AT: &[Word] =
     &[word("rim", "its rim", ""), word("bore", "its bore", ""), word("middle", "its middle", "")];
 pub(super) const END_WALLS: &[Word] = &[word("measured", "surfaces", ""), word("drawn", "drawn curves", "")];

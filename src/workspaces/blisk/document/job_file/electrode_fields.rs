@@ -2,7 +2,7 @@
 
 use files::{Field, Group};
 
-use super::choice_words::SIDES;
+use super::choice_words::{SIDES, SIDES_OF_STAGE};
 
 /// Columns of the table of single parts.
 const PART: &[Field] = &[
@@ -35,7 +35,9 @@ const STAGE: &[Field] = &[
     ),
     Field::integer("parts", "Parts", 1.0, 20.0).or_nothing(1.0).help("The stage's own number of parts."),
     Field::integer("columns", "Columns", 1.0, 2.0).or_nothing(1.0).help("The stage's own number of columns."),
-    Field::choice("enter", "Enter from", SIDES).help("The stage's own side of entry; automatic: that of all."),
+    Field::choice("enter", "Enter from", SIDES_OF_STAGE).help("The stage's own side of entry."),
+    Field::rows("part", "Part", PART, "{ enter = \"auto\" }")
+        .help("Own values of single parts in this stage; where there are any, those of Single parts do not count."),
     Field::number("low_reduction_deg", "Low wall", "deg", 0.0, 45.0)
         .or_nothing(1.0)
         .help("The stage's own reduction at the low wall."),

@@ -166,6 +166,7 @@ mod tests {
             parts: 2,
             enter: EnterSide::MinusX,
             reduction_deg: vec![[1.0, 1.25]],
+            part: Vec::new(),
             least_thickness_mm: 2.5,
             volume_mm3: 100.0,
             certified_mm: 0.0995,

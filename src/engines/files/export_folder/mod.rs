@@ -1,6 +1,8 @@
 //! A folder into which an export writes all of its files or none, even if the program is killed meanwhile. A manifest names the
 //! files of the exports.
 
+mod journal;
+
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -9,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::document::sha256;
 use crate::{FileError, Invalid, TomlFile, Validate, sha256_of};
+use journal::{BEFORE, JOURNAL, Journal, LOCK, Move, NEW, PREFIX, SUFFIX, digest, free_name, take_back_killed};
 
 /// Name of the manifest, which lists the files that exports wrote into the folder, with the SHA-256 of each.
 pub const MANIFEST: &str = "export_manifest.toml";
@@ -170,9 +173,11 @@ impl ExportFolder {
         for inside in [NEW, BEFORE] {
             fs::create_dir(waiting.path().join(inside)).map_err(wrong)?;
         }
-        let lock = File::create(waiting.path().join(LOCK)).map_err(wrong)?;
-        // Where there are no locks nothing is taken back either.
+        // Locked before others can see it. Where there are no locks nothing is taken back either.
+        let unseen = waiting.path().join("unlocked");
+        let lock = File::create(&unseen).map_err(wrong)?;
         let _ = lock.try_lock();
+        fs::rename(&unseen, waiting.path().join(LOCK)).map_err(wrong)?;
         let folder = folder.to_owned();
         Ok(Self { folder, by, replaced: &[], _lock: lock, waiting, new: Vec::new(), unknown: Vec::new(), _made: made })
     }
@@ -243,29 +248,31 @@ impl ExportFolder {
     /// # Errors
     /// [`FileError`]; everything is then as it was before.
     pub fn publish(self) -> Result<Published, FileError> {
+        // A program that was killed since this folder was opened.
+        take_back_killed(&self.folder);
         let (moves, published, manifest) = self.planned()?;
-        let waiting = self.waiting.path();
-        // Written before anything is moved: by it the next export of this folder takes back what a killed one has done.
         let journal = Journal { manifest: manifest.as_ref().map(digest), moves };
-        let text = serde_json::to_vec(&journal).map_err(|e| FileError::unwritable(&self.folder, e.into()))?;
-        let written = File::create(waiting.join(JOURNAL)).and_then(|mut file| {
-            file.write_all(&text)?;
-            file.sync_all()
+        let at = self.waiting.path().join(JOURNAL);
+        let wrong = |source| FileError::unwritable(&self.folder, source);
+        journal.write(&at).map_err(wrong)?;
+        let done = journal.moves.iter().try_for_each(|Move { from, to, .. }| {
+            let [from, to] = [from, to].map(|path| self.folder.join(path));
+            fs::rename(&from, &to).map_err(|source| FileError::unwritable(&to, source))
         });
-        written.map_err(|source| FileError::unwritable(&self.folder, source))?;
-        let move_all = || {
-            for [from, to] in &journal.moves {
-                let [from, to] = [from, to].map(|path| self.folder.join(path));
-                fs::rename(&from, &to).map_err(|source| FileError::unwritable(&to, source))?;
-            }
-            // Last: without it everything is taken back.
-            manifest.map_or(Ok(()), |manifest| MANIFEST_FILE.write(&self.path(MANIFEST), &manifest))
-        };
-        move_all().inspect_err(|_| journal.take_back(&self.folder)).map(|()| published)
+        let done = done.and_then(|()| match &manifest {
+            Some(manifest) => MANIFEST_FILE.write(&self.path(MANIFEST), manifest),
+            None => Ok(()),
+        });
+        if done.is_err() {
+            journal.take_back(&self.folder, self.waiting.path());
+        }
+        // From here on there is nothing to take back.
+        fs::remove_file(&at).map_err(wrong)?;
+        done.map(|()| published)
     }
 
     /// Moves that publish the files, relative to the folder, what is told of them, and the new manifest unless it is the one there.
-    fn planned(&self) -> Result<(Vec<[PathBuf; 2]>, Published, Option<Manifest>), FileError> {
+    fn planned(&self) -> Result<(Vec<Move>, Published, Option<Manifest>), FileError> {
         let (mut moves, mut published) = (Vec::new(), Published::default());
         let former = manifest_in(&self.folder)?;
         let waiting = PathBuf::from(self.waiting.path().file_name().unwrap_or_default());
@@ -281,106 +288,25 @@ impl ExportFolder {
                 continue;
             }
             if sha256.is_some_and(|written| sha256_of(&path).is_ok_and(|now| now == *written)) {
-                moves.push([name.into(), waiting.join(BEFORE).join(name)]);
+                moves.push(Move::of(name, waiting.join(BEFORE).join(name)));
                 published.removed.push(name.clone());
             } else {
-                let Some(free) = self.free_name(name) else { continue };
-                moves.push([name.into(), PathBuf::from(&free)]);
+                let Some(free) = free_name(&self.folder, name) else { continue };
+                moves.push(Move::of(name, &free));
                 published.set_aside.push([name.clone(), free]);
             }
         }
-        for OwnFile { name, .. } in &self.new {
+        for OwnFile { name, sha256, .. } in &self.new {
             if self.path(name).symlink_metadata().is_ok() {
-                moves.push([name.into(), waiting.join(BEFORE).join(name)]);
+                moves.push(Move::of(name, waiting.join(BEFORE).join(name)));
             }
-            moves.push([waiting.join(NEW).join(name), name.into()]);
+            let sha256 = Some(sha256.clone());
+            moves.push(Move { sha256, ..Move::of(waiting.join(NEW).join(name), name) });
             published.files.push(self.path(name));
         }
         let of_others = former.file.iter().filter(|file| !is_replaced(&file.by) && !is_new(&file.name));
         let manifest = Manifest { file: of_others.chain(&self.new).cloned().collect() };
         Ok((moves, published, (manifest != former).then_some(manifest)))
-    }
-
-    /// `NAME.old`, or `NAME.old-2` and so on if that name is taken.
-    fn free_name(&self, name: &str) -> Option<String> {
-        let numbered = (2..).map(|n: u64| format!("{name}.{OLD}-{n}"));
-        let mut names = std::iter::once(format!("{name}.{OLD}")).chain(numbered);
-        names.find(|name| self.path(name).symlink_metadata().is_err())
-    }
-}
-
-/// Folders within the hidden one: files to come, and files that they replace.
-const NEW: &str = "new";
-const BEFORE: &str = "before";
-
-/// File within the hidden folder that its program holds locked, and the file that lists the moves.
-const LOCK: &str = "lock";
-const JOURNAL: &str = "moves.json";
-/// Beginning and end of the name of a hidden folder.
-const PREFIX: &str = ".sparkpath-";
-const SUFFIX: &str = ".part";
-
-/// Moves that publish an export, from and to, relative to the export folder.
-#[derive(Debug, Serialize, Deserialize)]
-struct Journal {
-    /// Digest of the manifest that is written after them; none if it stays as it is.
-    manifest: Option<String>,
-    moves: Vec<[PathBuf; 2]>,
-}
-
-impl Journal {
-    /// Puts everything back, the last first.
-    fn take_back(&self, folder: &Path) {
-        for [from, to] in self.moves.iter().rev().map(|pair| pair.each_ref().map(|path| folder.join(path))) {
-            // One that cannot be put back has nowhere else to go; the others still should.
-            if from.symlink_metadata().is_err() {
-                let _ = fs::rename(to, from);
-            }
-        }
-    }
-
-    /// Whether every move stays in `folder`: names of its files, and of those in the hidden folder `waiting`.
-    fn is_within(&self, waiting: &Path) -> bool {
-        let is_hidden = |path: &Path| {
-            let inside =
-                path.strip_prefix(waiting).ok().and_then(|path| Some((path.parent()?, path.file_name()?.to_str()?)));
-            inside.is_some_and(|(part, name)| [NEW, BEFORE].map(Path::new).contains(&part) && is_plain(name))
-        };
-        self.moves.iter().flatten().all(|path| path.to_str().is_some_and(is_plain) || is_hidden(path))
-    }
-}
-
-/// Digest of a manifest.
-fn digest(manifest: &Manifest) -> String {
-    let rows = manifest.file.iter().map(|file| format!("{} {} {}\n", file.sha256, file.by, file.name));
-    sha256(rows.collect::<String>().as_bytes())
-}
-
-/// Removes the hidden folders of programs that were killed, and takes back what they had published in part.
-fn take_back_killed(folder: &Path) {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    for hidden in entries.map(|entry| entry.path()) {
-        let Some(name) = hidden
-            .file_name()
-            .filter(|name| name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX)))
-        else {
-            continue;
-        };
-        // A program that is at work holds the lock; where none can be had, nothing is known.
-        let Ok(lock) = File::open(hidden.join(LOCK)) else { continue };
-        if lock.try_lock().is_err() {
-            continue;
-        }
-        let journal =
-            fs::read(hidden.join(JOURNAL)).ok().and_then(|text| serde_json::from_slice::<Journal>(&text).ok());
-        if let Some(journal) = journal.filter(|journal| journal.is_within(Path::new(name))) {
-            let now = manifest_in(folder).ok().map(|manifest| digest(&manifest));
-            if journal.manifest.is_some() && journal.manifest != now {
-                journal.take_back(folder);
-            }
-        }
-        drop(lock);
-        let _ = fs::remove_dir_all(&hidden);
     }
 }
 
@@ -457,56 +383,75 @@ mod tests {
         assert!(error.contains("table.csv") && error.contains("directory"), "{error}");
     }
 
-    /// Killed after every number of moves, the folder is as before once the next export begins, and as after it once the manifest is
-    /// written.
+    /// What a program leaves that is killed after `moves` of the moves of its export, or after writing its manifest.
+    fn killed(next: ExportFolder, moves: Option<usize>) {
+        let (planned, _, manifest) = next.planned().unwrap();
+        let journal = Journal { manifest: manifest.as_ref().map(digest), moves: planned };
+        journal.write(&next.waiting.path().join(JOURNAL)).unwrap();
+        for Move { from, to, .. } in &journal.moves[..moves.unwrap_or(journal.moves.len())] {
+            fs::rename(next.folder.join(from), next.folder.join(to)).unwrap();
+        }
+        if let (None, Some(manifest)) = (moves, manifest) {
+            MANIFEST_FILE.write(&next.path(MANIFEST), &manifest).unwrap();
+        }
+        // As long as its program lives nobody touches it.
+        take_back_killed(&next.folder);
+        assert!(names(&next.folder).iter().any(|name| name.ends_with(SUFFIX)));
+        let ExportFolder { _lock: lock, waiting, .. } = next;
+        let _ = waiting.keep();
+        drop(lock);
+    }
+
+    fn opened(out: &Path, files: &[(&str, &str)]) -> ExportFolder {
+        let mut next = ExportFolder::open(out, "flank").unwrap();
+        files.iter().for_each(|(name, text)| drop(next.write(name, text.as_bytes()).unwrap()));
+        next
+    }
+
     #[test]
     fn a_killed_export_is_taken_back_by_the_next() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
+        let old = [("flank.ngc", "G1"), ("report.html", "old")];
         let set_up = || {
             let _ = fs::remove_dir_all(&out);
-            export(&out, "flank", &[("flank.ngc", "G1"), ("report.html", "old")]);
-            let mut next = ExportFolder::open(&out, "flank").unwrap();
-            next.write("report.html", b"new").unwrap();
-            next.write("table.csv", b"new").unwrap();
-            next
+            export(&out, "flank", &old);
         };
-        let before = {
-            drop(set_up());
-            names(&out)
+        let is_as_before = |what: &str| {
+            assert_eq!(names(&out), [MANIFEST, "flank.ngc", "report.html"], "{what}");
+            assert_eq!((read(&out, "report.html"), read(&out, "flank.ngc")), ("old".into(), "G1".into()), "{what}");
         };
-        let moves = set_up().planned().unwrap().0.len();
-        assert_eq!(moves, 4, "one file goes, one is replaced by two moves, one comes");
-        for killed_after in 0..=moves {
-            let next = set_up();
-            let (moves, _, manifest) = next.planned().unwrap();
-            let journal = Journal { manifest: manifest.as_ref().map(digest), moves };
-            fs::write(next.waiting.path().join(JOURNAL), serde_json::to_vec(&journal).unwrap()).unwrap();
-            for [from, to] in &journal.moves[..killed_after] {
-                fs::rename(out.join(from), out.join(to)).unwrap();
+        // One file goes, one is replaced, one comes; and the same export again, whose manifest stays as it is.
+        for new in [&[("report.html", "new"), ("table.csv", "new")][..], &old] {
+            for moves in 0..=4 {
+                set_up();
+                killed(opened(&out, new), Some(moves));
+                drop(opened(&out, &[]));
+                is_as_before(&format!("{new:?} after {moves} moves"));
             }
-            // As long as its program lives nobody touches it.
-            take_back_killed(&out);
-            assert!(names(&out).iter().any(|name| name.ends_with(SUFFIX)));
-            let ExportFolder { _lock, waiting, .. } = next;
-            let _ = waiting.keep();
-            drop(_lock);
-            take_back_killed(&out);
-            assert_eq!(names(&out), before, "{killed_after}");
-            assert_eq!((read(&out, "report.html"), read(&out, "flank.ngc")), ("old".into(), "G1".into()));
         }
-        let next = set_up();
-        let (moves, _, manifest) = next.planned().unwrap();
-        let journal = Journal { manifest: manifest.as_ref().map(digest), moves };
-        fs::write(next.waiting.path().join(JOURNAL), serde_json::to_vec(&journal).unwrap()).unwrap();
-        journal.moves.iter().for_each(|[from, to]| fs::rename(out.join(from), out.join(to)).unwrap());
-        MANIFEST_FILE.write(&out.join(MANIFEST), &manifest.unwrap()).unwrap();
-        let ExportFolder { _lock, waiting, .. } = next;
-        let _ = waiting.keep();
-        drop(_lock);
-        take_back_killed(&out);
+        set_up();
+        killed(opened(&out, &[("report.html", "new"), ("table.csv", "new")]), None);
+        drop(opened(&out, &[]));
         assert_eq!(names(&out), [MANIFEST, "report.html", "table.csv"]);
         assert_eq!(read(&out, "report.html"), "new");
+        // Another program that was at work all the while publishes over what it takes back first.
+        set_up();
+        let patient = opened(&out, &[("report.html", "patient")]);
+        killed(opened(&out, &[("table.csv", "new")]), Some(2));
+        patient.publish().unwrap();
+        assert_eq!(names(&out), [MANIFEST, "report.html"]);
+    }
+
+    #[test]
+    fn what_somebody_changed_after_a_program_was_killed_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        export(&out, "flank", &[("report.html", "old")]);
+        killed(opened(&out, &[("report.html", "new")]), Some(2));
+        fs::write(out.join("report.html"), "by hand").unwrap();
+        drop(opened(&out, &[]));
+        assert_eq!((read(&out, "report.html"), read(&out, "report.html.old")), ("by hand".into(), "old".into()));
     }
 
     #[test]
@@ -517,7 +462,8 @@ mod tests {
         fs::create_dir_all(&hidden).unwrap();
         fs::write(folder.path().join("victim.txt"), "precious").unwrap();
         fs::write(hidden.join(LOCK), "").unwrap();
-        let moves = vec![["stolen.txt".into(), "../victim.txt".into()]];
+        let moves = vec![Move::of("stolen.txt", "../victim.txt")];
+        [NEW, BEFORE].iter().for_each(|inside| fs::create_dir(hidden.join(inside)).unwrap());
         let journal = Journal { manifest: Some("x".to_owned()), moves };
         fs::write(hidden.join(JOURNAL), serde_json::to_vec(&journal).unwrap()).unwrap();
         take_back_killed(&out);
