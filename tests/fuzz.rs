@@ -2,7 +2,7 @@
 //! valid but nasty. Whatever they are given, they answer, soon, and within their memory.
 //!
 //! With `FUZZ_SECONDS` in the environment every test takes inputs for so long instead of a number of its own, with `FUZZ_SEED` other
-//! inputs: `scripts/fuzz HOURS`.
+//! inputs: `scripts/fuzz HOURS`. `FUZZ_INPUT` is the number of a single input, which is shown as a whole.
 
 #[path = "fuzz/limits.rs"]
 mod limits;
@@ -36,12 +36,20 @@ fn campaign<T>(
     use rand::SeedableRng;
     let seed = number("FUZZ_SEED").unwrap_or(0);
     let until = number("FUZZ_SECONDS").map(|seconds| Instant::now() + Duration::from_secs(seconds));
-    let goes_on = |n: u64| until.map_or(n < own, |until| Instant::now() < until);
-    let mut n = 0;
+    let only = number("FUZZ_INPUT");
+    let goes_on = |n: u64| match (only, until) {
+        (Some(only), _) => n == only,
+        (None, Some(until)) => Instant::now() < until,
+        (None, None) => n < own,
+    };
+    let mut n = only.unwrap_or(0);
     while goes_on(n) {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1 << 32).wrapping_add(n));
         let input = make(&mut random);
-        if let Err(why) = limits::within(|| test(&input)) {
+        if only.is_some() {
+            println!("{}", show(&input));
+        }
+        if let Err(why) = limits::within(until.is_some(), || test(&input)) {
             panic!("seed {seed}, input {n}: {why}\n{}", show(&input));
         }
         n += 1;

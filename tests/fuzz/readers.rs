@@ -16,7 +16,8 @@ use super::mutate::mutated;
 
 /// An input in readable form.
 fn shown(bytes: &Vec<u8>) -> String {
-    String::from_utf8_lossy(bytes).chars().take(4000).flat_map(char::escape_debug).collect()
+    let most = if super::number("FUZZ_INPUT").is_some() { usize::MAX } else { 4000 };
+    String::from_utf8_lossy(bytes).chars().take(most).flat_map(char::escape_debug).collect()
 }
 
 /// Reads `own` changed versions of `seeds`.
