@@ -150,13 +150,15 @@ fn answers_that_cannot_stand_side_by_side_are_refused() {
         fs::write(answer_file(&out, 2), &whole).unwrap();
     };
     change(&out, 2, |answer| answer["program_version"] = "9.9.9".into());
-    refused("several versions of the program: 0.1.0 (points 1, 3), 9.9.9 (point 2)");
+    refused("the answers are of 0.1.0 (points 1, 3), 9.9.9 (point 2); remove the folders of the points");
     change(&out, 2, |answer| answer["study_sha256"] = "0".into());
     refused("point 2 is of another study");
     change(&out, 2, |answer| answer["inputs"][0]["sha256"] = "0".into());
     refused("mold.stl was another file for point 2 than for point 1");
     fs::write(answer_file(&out, 2), "{}").unwrap();
     refused("this is no answer");
+    change(&out, 2, |answer| answer["point"] = 0.into());
+    refused("this is the answer of point 0; remove it");
     assert_eq!(fs::read(out.join("study.csv")).unwrap(), csv);
     // Before more is computed the files are looked at as they are now.
     fs::write(folder.path().join("wide.toml"), "[[cutter]]\ndiameter_mm = 3.0\n").unwrap();
