@@ -24,7 +24,7 @@ pub static RUN_IN: PathInfo = PathInfo::new("Folder of the study", PathKind::Fol
 /// Folder of a study that is looked at.
 pub static LOOK_AT: PathInfo = PathInfo::new("Folder of a study", PathKind::Folder);
 
-/// What the window asks for.
+/// Request of the window of studies to the program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StudyAnswer {
     /// A folder to run the study in.

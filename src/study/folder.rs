@@ -35,7 +35,7 @@ pub enum StudyError {
     Another {
         /// The folder.
         folder: PathBuf,
-        /// What is not the same.
+        /// Difference from the study that was asked for.
         what: &'static str,
     },
     /// The answers cannot be put side by side.
@@ -43,7 +43,7 @@ pub enum StudyError {
     Mixed {
         /// The folder of the points.
         folder: PathBuf,
-        /// What is not the same, with points.
+        /// Difference of the answers, with points.
         problem: String,
     },
     /// There is no point of this number.

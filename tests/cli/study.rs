@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use import::write_stl;
 
 use super::uncut::pocket;
-use super::{COMES_OUT, job, sparkpath, text};
+use super::{COMES_OUT, job, planned, sparkpath, text};
 
 /// Writes a mold, two libraries of cutters, and a study of it with these parameters.
 fn study(folder: &Path, parameters: &str) -> PathBuf {
@@ -279,6 +279,12 @@ fn a_study_of_a_plan_has_its_figures() {
     let results = answer["results"].as_object().unwrap();
     assert!(results["certified_mm"].as_f64().unwrap() >= 0.098 && results["verified"] == true, "{answer}");
     assert_eq!((&results["electrodes"], &results["enter"]), (&1.into(), &"-x".into()));
+    let report = fs::read_to_string(planned().join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let of_command = &report["electrodes"][0];
+    for (name, key) in [("certified_mm", "certified_clearance_mm"), ("volume_mm3", "volume_mm3")] {
+        assert_eq!(results[name], of_command[key], "the command itself finds the same");
+    }
     for known in ["volume_mm3", "thickness_mm", "burn_area_mm2", "residual_mm", "left_mm3", "throat_mm", "turning_deg"]
     {
         assert!(results[known].as_f64().is_some_and(|value| value >= 0.0), "{known}: {answer}");
