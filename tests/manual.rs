@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process;
 
+use sparkpath::study::definition::StudyCommand;
+use sparkpath::study::evaluate::named_results;
 use sparkpath::workspaces::blisk::commands::BliskCommand;
 use sparkpath::workspaces::blisk::document::job_file::field_table::FIELDS;
 use sparkpath::workspaces::commands::{CommandSet as _, FrameCommand};
@@ -107,6 +109,18 @@ fn every_command_of_the_window_is_in_the_manual() {
             _ => name,
         };
         assert!(page.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn every_named_result_of_a_study_is_in_the_manual() {
+    let page = read(&root().join("docs/book/src/studies.md"));
+    let results = section(&page, "Results");
+    for command in [StudyCommand::Plan, StudyCommand::Size, StudyCommand::Uncut, StudyCommand::Electrodes] {
+        let row = results.lines().find(|line| line.starts_with(&format!("| `{}` |", command.name()))).unwrap();
+        for (name, ..) in named_results(command) {
+            assert!(row.contains(&format!("`{name}`")), "{}: {name}", command.name());
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Answer, Internal, Session};
+use crate::study::answer::Answer as PointAnswer;
 use crate::study::folder::{Counts, Ran, StudyError, StudyFolder};
 use crate::study::table::{CSV, PAGE};
 use files::paths::user_folder;
@@ -118,7 +119,7 @@ fn run_point(study: &StudyFolder, point: usize, session: &Session) -> anyhow::Re
 }
 
 fn run_all(study: &StudyFolder, session: &Session) -> anyhow::Result<Ran> {
-    let show = |answer: &crate::study::folder::PointAnswer| {
+    let show = |answer: &PointAnswer| {
         if session.json {
             return;
         }

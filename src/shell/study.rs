@@ -24,7 +24,7 @@ pub static RUN_IN: PathInfo = PathInfo::new("Folder of the study", PathKind::Fol
 /// Folder of a study that is looked at.
 pub static LOOK_AT: PathInfo = PathInfo::new("Folder of a study", PathKind::Folder);
 
-/// What the window asks for.
+/// Request of the window of studies to the program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StudyAnswer {
     /// A folder to run the study in.
@@ -112,7 +112,10 @@ impl StudyWindow {
         self.follow();
         let mut is_open = self.is_open;
         let room = ctx.content_rect().size();
+        // The colour of panels, against which text fields can be seen.
+        let frame = egui::Frame::window(&ctx.global_style()).fill(ctx.global_style().visuals.panel_fill);
         let window = egui::Window::new("Study")
+            .frame(frame)
             .open(&mut is_open)
             .default_pos([80.0, 60.0])
             .default_size([680.0, 560.0])

@@ -61,11 +61,11 @@ impl Answer {
         }
     }
 
-    /// Reads an answer; none if there is no such file.
+    /// Reads the answer of a point; none if there is no such file.
     ///
     /// # Errors
-    /// [`FileError`] of a file that is no answer.
-    pub fn read(file: &Path) -> Result<Option<Self>, FileError> {
+    /// [`FileError`] of a file that is no answer, or that of another point.
+    pub fn read(file: &Path, point: usize) -> Result<Option<Self>, FileError> {
         let text = match read_text(file, "answer", LARGEST) {
             Err(error) if error.is_not_found() => return Ok(None),
             text => text?,
@@ -74,6 +74,9 @@ impl Answer {
             FileError::invalid(file, Invalid::of("", format!("{problem}; remove it, and run the point again")))
         };
         let answer: Self = serde_json::from_str(&text).map_err(|e| wrong(format!("this is no answer: {e}")))?;
+        if answer.point != point {
+            return Err(wrong(format!("this is the answer of point {}", answer.point)));
+        }
         let is_known = answer.schema == SCHEMA && [YES, BAD, NO].contains(&answer.exit_code);
         if is_known { Ok(Some(answer)) } else { Err(wrong("this is an answer of another form".to_owned())) }
     }

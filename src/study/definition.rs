@@ -28,7 +28,7 @@ pub struct Study {
     pub sampling: Sampling,
     /// The parameters that are varied.
     pub parameter: Vec<Parameter>,
-    /// What the table has.
+    /// Columns and goals of the table.
     #[serde(default)]
     pub collect: Collect,
 }
@@ -49,7 +49,7 @@ pub enum StudyCommand {
     Plan,
     /// Least reductions of a blisk's electrodes, in as many parts as the project has.
     Size,
-    /// What milling cutters leave of a mold.
+    /// Uncut regions: what milling cutters leave of a mold.
     Uncut,
     /// Electrodes for what milling cutters leave of a mold.
     Electrodes,
@@ -141,7 +141,7 @@ pub struct Parameter {
     pub folder: Option<PathBuf>,
 }
 
-/// What the table of a study has.
+/// Columns and goals of the table of a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Collect {

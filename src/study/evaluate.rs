@@ -1,4 +1,4 @@
-//! What a command answers for one point: the jobs that the command itself runs, without its files.
+//! The answer of a command for one point: the jobs that the command itself runs, without its files.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ use import::{ImportOptions, ImportReport, Imported, import_file};
 use task::Task;
 use wheel::electrode::Sizing;
 
-/// What came out of a point.
+/// Outcome of a point.
 pub struct Evaluated {
     /// Whether the answer is yes: exit code 0, and not 3.
     pub holds: bool,

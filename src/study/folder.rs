@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-pub use super::answer::Answer as PointAnswer;
 use super::answer::{Answer, BAD, NO, YES};
 use super::base::{Base, LIBRARY, Setting};
 use super::definition::{Collect, Parameter, STUDIES, Study, text_of};
@@ -36,7 +35,7 @@ pub enum StudyError {
     Another {
         /// The folder.
         folder: PathBuf,
-        /// What is not the same.
+        /// Difference from the study that was asked for.
         what: &'static str,
     },
     /// The answers cannot be put side by side.
@@ -44,7 +43,7 @@ pub enum StudyError {
     Mixed {
         /// The folder of the points.
         folder: PathBuf,
-        /// What is not the same, with points.
+        /// Difference of the answers, with points.
         problem: String,
     },
     /// There is no point of this number.
@@ -246,7 +245,7 @@ impl StudyFolder {
     /// # Errors
     /// [`StudyError`] of a file that is no answer.
     pub fn answers(&self) -> Result<Vec<Option<Answer>>, StudyError> {
-        let of = |point| Ok(Answer::read(&self.folder_of(point).join("answer.json"))?);
+        let of = |point| Ok(Answer::read(&self.folder_of(point).join("answer.json"), point)?);
         (1..=self.points.len()).map(of).collect()
     }
 
@@ -257,20 +256,29 @@ impl StudyFolder {
         Counts { points: answers.len(), feasible: count(YES), not_feasible: count(NO), bad: count(BAD), open }
     }
 
-    /// Checks that `answers` can be put side by side: of this study, by one version of the program, from the same files.
+    /// Checks that `answers` can be put side by side: by this version of the program, of this study, from the same files.
     ///
     /// # Errors
     /// [`StudyError::Mixed`].
     pub fn check(&self, answers: &[Option<Answer>]) -> Result<(), StudyError> {
         let mixed = |problem| Err(StudyError::Mixed { folder: self.folder.join("points"), problem });
+        // First of all, as another version may write the same study in other words.
         let mut versions: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for answer in answers.iter().flatten() {
+            versions.entry(&answer.program_version).or_default().push(answer.point);
+        }
+        let own = env!("CARGO_PKG_VERSION");
+        if versions.keys().any(|version| *version != own) {
+            let of = |(version, points): (&&str, &Vec<usize>)| format!("{version} (point{})", ranges(points));
+            let all: Vec<String> = versions.iter().map(of).collect();
+            return mixed(format!("this program is version {own}, and the answers are of {}", all.join(", ")));
+        }
         let mut inputs: BTreeMap<&Path, (&str, usize)> = BTreeMap::new();
         for answer in answers.iter().flatten() {
             let point = answer.point;
             if answer.study_sha256 != self.sha256 {
                 return mixed(format!("the answer of point {point} is of another study or of a changed project"));
             }
-            versions.entry(&answer.program_version).or_default().push(point);
             for file in &answer.inputs {
                 let (sha256, other) = *inputs.entry(&file.path).or_insert((&file.sha256, point));
                 if sha256 != file.sha256 {
@@ -279,31 +287,20 @@ impl StudyFolder {
                 }
             }
         }
-        if versions.len() > 1 {
-            let of = |(version, points): (&&str, &Vec<usize>)| format!("{version} (point{})", ranges(points));
-            let versions: Vec<String> = versions.iter().map(of).collect();
-            return mixed(format!("the answers are of several versions of the program: {}", versions.join(", ")));
-        }
         Ok(())
     }
 
-    /// Checks that answers of this program, from the files as they are now, can stand beside `answers`.
+    /// Checks that answers from the files as they are now can stand beside `answers`.
     fn check_going_on(&self, answers: &[Option<Answer>]) -> Result<(), StudyError> {
         self.check(answers)?;
-        let mixed = |problem| Err(StudyError::Mixed { folder: self.folder.join("points"), problem });
         let mut now: BTreeMap<&Path, Option<String>> = BTreeMap::new();
         for answer in answers.iter().flatten() {
-            if answer.program_version != env!("CARGO_PKG_VERSION") {
-                let (point, version, own) = (answer.point, &answer.program_version, env!("CARGO_PKG_VERSION"));
-                return mixed(format!(
-                    "the answer of point {point} is of version {version}, and this program is {own}"
-                ));
-            }
             for file in &answer.inputs {
                 let hash = || sha256_of(&self.folder.join(&file.path)).ok();
                 if now.entry(&file.path).or_insert_with(hash).as_ref() != Some(&file.sha256) {
                     let (file, point) = (file.path.display(), answer.point);
-                    return mixed(format!("{file} is another file now than it was for point {point}"));
+                    let problem = format!("{file} is another file now than it was for point {point}");
+                    return Err(StudyError::Mixed { folder: self.folder.join("points"), problem });
                 }
             }
         }

@@ -14,7 +14,7 @@
 //!
 //! A study stands above the workspaces: the kind of its project tells which of them answers.
 
-mod answer;
+pub mod answer;
 pub mod base;
 pub mod definition;
 pub mod evaluate;

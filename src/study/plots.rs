@@ -21,7 +21,7 @@ const WIDTH: f64 = 1100.0;
 pub struct TitledPlot {
     /// Heading.
     pub title: String,
-    /// What is to be seen, in a clause.
+    /// Content of the picture, in a clause.
     pub note: String,
     /// The picture.
     pub svg: String,

@@ -18,7 +18,7 @@ pub struct Axis {
 /// Values of a parameter, as the command line would give them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// These.
+    /// A list.
     List(Vec<String>),
     /// The numbers between two.
     Range {

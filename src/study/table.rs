@@ -41,7 +41,7 @@ pub struct Column {
     pub name: String,
     /// Unit; may be empty.
     pub unit: &'static str,
-    /// What it is; empty for a place in the report.
+    /// Meaning; empty for a place in the report.
     pub meaning: &'static str,
     /// Goal, if it is one.
     pub goal: Option<Goal>,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use import::write_stl;
 
 use super::uncut::pocket;
-use super::{COMES_OUT, job, sparkpath, text};
+use super::{COMES_OUT, job, planned, sparkpath, text};
 
 /// Writes a mold, two libraries of cutters, and a study of it with these parameters.
 fn study(folder: &Path, parameters: &str) -> PathBuf {
@@ -150,13 +150,15 @@ fn answers_that_cannot_stand_side_by_side_are_refused() {
         fs::write(answer_file(&out, 2), &whole).unwrap();
     };
     change(&out, 2, |answer| answer["program_version"] = "9.9.9".into());
-    refused("several versions of the program: 0.1.0 (points 1, 3), 9.9.9 (point 2)");
+    refused("the answers are of 0.1.0 (points 1, 3), 9.9.9 (point 2); remove the folders of the points");
     change(&out, 2, |answer| answer["study_sha256"] = "0".into());
     refused("point 2 is of another study");
     change(&out, 2, |answer| answer["inputs"][0]["sha256"] = "0".into());
     refused("mold.stl was another file for point 2 than for point 1");
     fs::write(answer_file(&out, 2), "{}").unwrap();
     refused("this is no answer");
+    change(&out, 2, |answer| answer["point"] = 0.into());
+    refused("this is the answer of point 0; remove it");
     assert_eq!(fs::read(out.join("study.csv")).unwrap(), csv);
     // Before more is computed the files are looked at as they are now.
     fs::write(folder.path().join("wide.toml"), "[[cutter]]\ndiameter_mm = 3.0\n").unwrap();
@@ -277,6 +279,12 @@ fn a_study_of_a_plan_has_its_figures() {
     let results = answer["results"].as_object().unwrap();
     assert!(results["certified_mm"].as_f64().unwrap() >= 0.098 && results["verified"] == true, "{answer}");
     assert_eq!((&results["electrodes"], &results["enter"]), (&1.into(), &"-x".into()));
+    let report = fs::read_to_string(planned().join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let of_command = &report["electrodes"][0];
+    for (name, key) in [("certified_mm", "certified_clearance_mm"), ("volume_mm3", "volume_mm3")] {
+        assert_eq!(results[name], of_command[key], "the command itself finds the same");
+    }
     for known in ["volume_mm3", "thickness_mm", "burn_area_mm2", "residual_mm", "left_mm3", "throat_mm", "turning_deg"]
     {
         assert!(results[known].as_f64().is_some_and(|value| value >= 0.0), "{known}: {answer}");

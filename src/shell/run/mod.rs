@@ -12,7 +12,7 @@ use crate::shell::dialogs::{self, Dialog, Intent};
 use crate::shell::files::{Asking, Chosen, FileDialogs, PICTURE, Purpose};
 use crate::shell::palette::CommandPalette;
 use crate::shell::pictures::Pictures;
-use crate::shell::study::{LOOK_AT, RUN_IN, StudyAnswer, StudyWindow};
+use crate::shell::study::StudyWindow;
 use crate::shell::{menu, status};
 use crate::widgets::theme;
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Scope, pressed};
@@ -537,29 +537,11 @@ impl SparkpathApp {
         let is_enabled = |command: Command| command.scope == Scope::Switch || here.is_enabled(command);
         self.palette.show(ctx, &mut self.cx, commands, is_enabled);
         dialogs::log(ctx, &self.cx, &mut self.log_open);
-        match self.study.show(ctx, &*self.workspaces[self.shown]) {
-            Some(StudyAnswer::FolderToRun) => self.ask(Purpose { of: Asking::Study(true), info: &RUN_IN }, "", ctx),
-            Some(StudyAnswer::FolderToSee) => self.ask(Purpose { of: Asking::Study(false), info: &LOOK_AT }, "", ctx),
-            Some(StudyAnswer::Take(point, project)) => self.take_point(point, &project),
-            None => {}
-        }
+        self.show_study(ctx);
         let answer = dialogs::show(ctx, (&mut self.workspaces, &mut self.cx), &mut self.dialog, &self.adapter);
         self.cx.take_turn(self.shown);
         if let Some(answer) = answer {
             self.answer(answer, ctx);
-        }
-    }
-
-    /// Takes the parameters of a point of a study in the workspace of its kind, as a step that can be undone.
-    fn take_point(&mut self, point: usize, project: &Path) {
-        let Some(owner) = self.owner(project) else { return };
-        self.shown = owner;
-        let taken =
-            self.with(owner, |workspace, _| workspace.take_parameters(project, &format!("Point {point} of a study")));
-        match taken {
-            Ok(()) => self
-                .say(EventKind::Done, format!("the parameters of point {point} are taken; undo gives the former ones")),
-            Err(why) => self.error("The parameters of this point cannot be taken", why),
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{Named, SparkpathApp};
 use crate::shell::dialogs::{Answer, Dialog, Intent};
 use crate::shell::files::{Asking, Opened, PROJECT, Purpose};
+use crate::shell::study::{LOOK_AT, RUN_IN, StudyAnswer};
 use crate::workspaces::context::is_project;
 use crate::workspaces::news::EventKind;
 use files::Recovery;
@@ -77,6 +78,29 @@ impl SparkpathApp {
                 self.after_save.take_if(|(of, _)| *of == i);
                 self.error("The project was not saved", why.to_string());
             }
+        }
+    }
+
+    /// Draws the window of studies, and does what it asks for.
+    pub(super) fn show_study(&mut self, ctx: &egui::Context) {
+        match self.study.show(ctx, &*self.workspaces[self.shown]) {
+            Some(StudyAnswer::FolderToRun) => self.ask(Purpose { of: Asking::Study(true), info: &RUN_IN }, "", ctx),
+            Some(StudyAnswer::FolderToSee) => self.ask(Purpose { of: Asking::Study(false), info: &LOOK_AT }, "", ctx),
+            Some(StudyAnswer::Take(point, project)) => self.take_point(point, &project),
+            None => {}
+        }
+    }
+
+    /// Takes the parameters of a point of a study in the workspace of its kind, as a step that can be undone.
+    fn take_point(&mut self, point: usize, project: &Path) {
+        let Some(owner) = self.owner(project) else { return };
+        self.shown = owner;
+        let taken =
+            self.with(owner, |workspace, _| workspace.take_parameters(project, &format!("Point {point} of a study")));
+        match taken {
+            Ok(()) => self
+                .say(EventKind::Done, format!("the parameters of point {point} are taken; undo gives the former ones")),
+            Err(why) => self.error("The parameters of this point cannot be taken", why),
         }
     }
 

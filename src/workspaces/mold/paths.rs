@@ -10,7 +10,7 @@ use import::MESH_ENDINGS;
 /// Meshes directly in `folder`, by name.
 ///
 /// # Errors
-/// One line without the name of the folder, also if there is no mesh.
+/// A line without the name of the folder, also if there is no mesh.
 pub fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let unreadable = |error| format!("cannot be read ({error}); check the path");
     let is_mesh = |path: &Path| MESH_ENDINGS.iter().any(|ending| has_ending(path, &format!(".{ending}")));
