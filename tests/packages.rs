@@ -1,4 +1,4 @@
-//! What the packages are made of agrees with itself.
+//! Agreement of the lists, texts and files that packages are made of.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
