@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -93,21 +94,27 @@ pub(super) fn take_back_killed(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for hidden in entries.map(|entry| entry.path()) {
         let name = hidden.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let folders = [hidden.clone(), hidden.join(NEW), hidden.join(BEFORE)];
-        // A link would lead out of the folder.
-        let are_folders = || folders.iter().all(|path| path.symlink_metadata().is_ok_and(|of| of.is_dir()));
-        if !(name.starts_with(PREFIX) && name.ends_with(SUFFIX) && are_folders()) {
-            continue;
-        }
-        // A program that is at work holds the lock; where none can be had, nothing is known.
-        let Ok(lock) = File::open(hidden.join(LOCK)) else { continue };
-        if lock.try_lock().is_err() {
+        let is_folder = |path: &Path| path.symlink_metadata().is_ok_and(|of| of.is_dir());
+        if !(name.starts_with(PREFIX) && name.ends_with(SUFFIX) && is_folder(&hidden)) {
             continue;
         }
         let at = hidden.join(JOURNAL);
+        let Ok(lock) = File::open(hidden.join(LOCK)) else {
+            // Nothing to take back: the program was killed while it made the folder or removed it, unless it makes it just now.
+            if !at.exists() && is_old(&hidden) {
+                let _ = fs::remove_dir_all(&hidden);
+            }
+            continue;
+        };
+        // A program that is at work holds the lock; where none can be had, nothing is known.
+        if lock.try_lock().is_err() {
+            continue;
+        }
         let text = read_text(&at, "list of moves", LARGEST_JOURNAL).ok();
         let journal = text.and_then(|text| serde_json::from_str::<Journal>(&text).ok());
-        if let Some(journal) = journal.filter(|journal| journal.is_within(Path::new(name))) {
+        // A link would lead out of the folder.
+        let are_folders = [NEW, BEFORE].iter().all(|inside| is_folder(&hidden.join(inside)));
+        if let Some(journal) = journal.filter(|journal| are_folders && journal.is_within(Path::new(name))) {
             let now = manifest_in(folder).ok().map(|manifest| digest(&manifest));
             let is_complete = journal.manifest.is_some() && journal.manifest == now;
             if !is_complete {
@@ -119,6 +126,12 @@ pub(super) fn take_back_killed(folder: &Path) {
         let _ = fs::remove_dir_all(&hidden);
         drop(lock);
     }
+}
+
+/// Whether nothing has changed in a folder for longer than it takes to make one.
+fn is_old(folder: &Path) -> bool {
+    let changed = folder.symlink_metadata().and_then(|of| of.modified()).ok();
+    changed.and_then(|at| at.elapsed().ok()).is_some_and(|since| since > Duration::from_secs(60))
 }
 
 /// `NAME.old`, or `NAME.old-2` and so on if that name is taken in `folder`.

@@ -443,6 +443,20 @@ mod tests {
         assert_eq!(names(&out), [MANIFEST, "report.html"]);
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn hidden_folders_that_were_half_made_or_half_removed_go_in_time() {
+        let out = tempfile::tempdir().unwrap();
+        let hidden = out.path().join(format!("{PREFIX}x{SUFFIX}"));
+        fs::create_dir_all(hidden.join(NEW)).unwrap();
+        take_back_killed(out.path());
+        assert!(hidden.exists(), "another program may be making it");
+        let minutes_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(300);
+        File::open(&hidden).unwrap().set_modified(minutes_ago).unwrap();
+        take_back_killed(out.path());
+        assert!(!hidden.exists());
+    }
+
     #[test]
     fn what_somebody_changed_after_a_program_was_killed_stays() {
         let folder = tempfile::tempdir().unwrap();

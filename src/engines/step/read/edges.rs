@@ -9,13 +9,20 @@ use super::clamp::{Row, clamped};
 /// How often a piece of a curve is halved at most.
 const HALVINGS: u32 = 14;
 
-/// The curve; none if it is no NURBS curve.
+/// Greatest coordinate of a curve (units of the file). Further away numbers are coarser than chords may be off, and curves would be
+/// halved for ever.
+const FARTHEST: f64 = 1e12;
+
+/// The curve; none if it is no NURBS curve, or goes beyond what can be measured.
 pub(super) fn curve(from: &step_io::scene::NurbsCurve) -> Option<NurbsCurve> {
     let points = from.control_points.iter().zip(&from.weights);
     let rows = points.map(|(p, w)| Row(vec![(DVec3::from(*p) * *w).extend(*w)])).collect();
     let (knots, rows) = clamped(from.degree, from.knots.clone(), rows)?;
     let (points, weights): (Vec<DVec3>, Vec<f64>) =
         rows.iter().flat_map(|row| &row.0).map(|p| (p.truncate() / p.w, p.w)).unzip();
+    if !points.iter().all(|p| p.abs().max_element() <= FARTHEST) {
+        return None;
+    }
     NurbsCurve::new(KnotVector::new(from.degree, knots).ok()?, &points, &weights).ok()
 }
 

@@ -216,10 +216,6 @@ impl Ground<'_> {
             for (i, (uv, id)) in polygon.iter().enumerate() {
                 self.tick(i)?;
                 let at = Point2::new(self.stretch[0].to(uv.x), self.stretch[1].to(uv.y));
-                // Beside a corner so far away all others are one point, and the triangulation takes for ever.
-                if !(at.x.abs() <= FARTHEST && at.y.abs() <= FARTHEST) {
-                    return Err(OUT_OF_RANGE);
-                }
                 let key = [at.x.to_bits(), at.y.to_bits()];
                 let handle = match at_place.get(&key) {
                     Some(handle) => *handle,
@@ -389,8 +385,6 @@ pub(super) const CROSSES: &str = "its boundary crosses itself";
 pub(super) const CANCELLED: &str = "cancelled";
 /// How many items are handled between two looks at the flag.
 const ITEMS_PER_CHECK: usize = 256;
-/// Greatest distance of a boundary from the origin of the parameters, in steps of the triangulation.
-const FARTHEST: f64 = 1e9;
 const OUT_OF_RANGE: &str = "its parameters are out of range";
 
 /// Stretches along the line at height `y` that lie within an odd number of polygons.
