@@ -102,7 +102,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
             }
             ui.end_row();
             for (i, row) in rows.iter().enumerate() {
-                let [low, high] = row.reduction_cells();
+                let [low, high] = [0, 1].map(|wall| span(row, wall));
                 let hint = hint(row);
                 let told = |response: egui::Response| drop(response.on_hover_text(&hint));
                 if has_stages {
@@ -129,6 +129,13 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
     chosen
 }
 
+/// The reduction of a wall, or the least and the greatest of the parts: a form is narrow.
+fn span(row: &SizeRow, wall: usize) -> String {
+    let of_parts = || row.reduction_deg.iter().map(|walls| walls[wall]);
+    let (least, most) = (of_parts().fold(f64::INFINITY, f64::min), of_parts().fold(0.0, f64::max));
+    if least == most { format!("{most:.3}") } else { format!("{least:.2}–{most:.2}") }
+}
+
 /// Note on a row beside its figures.
 fn hint(row: &SizeRow) -> String {
     let limit = row.limit.as_ref().map(|limit| format!("; {}", limit.clause())).unwrap_or_default();
@@ -137,7 +144,14 @@ fn hint(row: &SizeRow) -> String {
         more => format!(", with {more:.2} deg more for the certificate"),
     };
     let stage = row.stage.as_ref().map(|stage| format!("{stage}: ")).unwrap_or_default();
-    format!("{stage}certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
+    let parts = match &row.reduction_deg[..] {
+        [_] => String::new(),
+        _ => {
+            let [low, high] = row.reduction_cells();
+            format!("parts along the passage {low} and {high} deg; ")
+        }
+    };
+    format!("{stage}{parts}certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
 }
 
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
