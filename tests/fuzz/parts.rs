@@ -27,7 +27,7 @@ fn solid(random: &mut ChaCha8Rng) -> Mesh {
         2 => {
             let mut wedge = cuboid(DVec3::ONE);
             let thin = 10f64.powf(random.random_range(-9.0..-1.0));
-            wedge.vertices.iter_mut().filter(|p| p.z > 0.5).for_each(|p| p.y = thin * p.y);
+            wedge.vertices.iter_mut().filter(|p| p.z > 0.5).for_each(|p| p.y *= thin);
             wedge
         }
         // A step: two boxes that share a face.

@@ -15,7 +15,7 @@ use super::mesh_files::{every_format, part};
 use super::mutate::mutated;
 
 /// An input in readable form.
-fn shown(bytes: &Vec<u8>) -> String {
+fn shown(bytes: &[u8]) -> String {
     let most = if super::number("FUZZ_INPUT").is_some() { usize::MAX } else { 4000 };
     String::from_utf8_lossy(bytes).chars().take(most).flat_map(char::escape_debug).collect()
 }
@@ -24,7 +24,7 @@ fn shown(bytes: &Vec<u8>) -> String {
 fn fuzz(own: u64, seeds: Vec<Vec<u8>>, read: impl Fn(&[u8])) {
     // What is not changed is read as well.
     seeds.iter().for_each(|seed| read(seed));
-    campaign(own, |random| mutated(&seeds, random), |bytes| read(bytes), shown);
+    campaign(own, |random| mutated(&seeds, random), |bytes| read(bytes), |bytes| shown(bytes));
 }
 
 /// Reads changed versions of texts.
