@@ -260,9 +260,7 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
     let Some(first) = outcome.electrodes.first() else { return Vec::new() };
     let (params, weights) =
         (&job.electrode, job.plan.weights.normalised(job.machine.axes.free_axes(first.electrode.enters_from)));
-    let [low, high] = params.of_last_stage().circumferential_reduction_deg;
     let summary = BliskSummary::of(&outcome.channel);
-    let h = first.plan.h.to_degrees();
     let first_weight = match Axis::of_withdrawal(first.electrode.enters_from) {
         Axis::Z => "weight of X in (4)",
         _ => "weight of Z in (4)",
@@ -271,9 +269,19 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         symbol("R_h", "hub radius over the blades", range_text(summary.hub_radius_mm), "mm"),
         symbol("R_c", "shroud (or tip) radius over the blades", range_text(summary.shroud_radius_mm), "mm"),
         symbol("theta", "angle between neighbouring blades", text(360.0 / outcome.channel.blades as f64), "deg"),
-        symbol("h", "circumferential reduction, low and high wall", range_text([low + h, high + h]), "deg"),
-        symbol("x_1 - x_0", "distance of nodes", text(job.plan.step_mm), "mm"),
     ];
+    // One row where all electrodes have the same.
+    let reduction = |(number, e): (usize, &ElectrodeOutcome)| {
+        params.of_electrode(number).circumferential_reduction_deg.map(|deg| deg + e.plan.h.to_degrees())
+    };
+    let reductions: Vec<[f64; 2]> = outcome.electrodes.iter().enumerate().map(reduction).collect();
+    let is_same = reductions.iter().all(|walls| *walls == reductions[0]);
+    for (number, walls) in reductions.iter().enumerate().take(if is_same { 1 } else { reductions.len() }) {
+        let of = if is_same { String::new() } else { format!(" of electrode {}", params.label(number)) };
+        let meaning = format!("circumferential reduction{of}, low and high wall");
+        list.push(symbol(if number == 0 { "h" } else { "" }, &meaning, range_text(*walls), "deg"));
+    }
+    list.push(symbol("x_1 - x_0", "distance of nodes", text(job.plan.step_mm), "mm"));
     if params.stage.is_empty() {
         list.insert(3, symbol("delta", "spark gap", text(params.spark_gap_mm), "mm"));
     }

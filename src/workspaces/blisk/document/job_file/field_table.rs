@@ -154,10 +154,15 @@ const GROUPS: &[Group] = &[
         name: "Size",
         is_folded: false,
         fields: &[
-            Field::number("electrode.spark_gap_mm", "Spark gap", "mm", 0.005, 2.0).slider(0.02, 0.4).symbol("g").help(
-                "Distance between the burning faces and the finished blisk in the final pose; the path \
-                 keeps it all the way.",
-            ),
+            Field::number("electrode.spark_gap_mm", "Spark gap", "mm", 0.005, 2.0)
+                .slider(0.02, 0.4)
+                .symbol("g")
+                // Every stage has a gap of its own.
+                .when(When::Is("electrode.stage", &[""]))
+                .help(
+                    "Distance between the burning faces and the finished blisk in the final pose; the path \
+                     keeps it all the way.",
+                ),
             Field::number("electrode.circumferential_reduction_deg[0]", "Reduction, low wall", "deg", 0.0, 45.0)
                 .slider(0.0, 4.0)
                 .symbol("h")
