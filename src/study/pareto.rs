@@ -1,6 +1,6 @@
 //! The points that no other point is better than.
 
-/// Which of `costs` belong to the Pareto front: no other is as good in each cost, and better in one. Less is better. Points
+/// Membership of `costs` in the Pareto front: no other is as good in each cost, and better in one. Less is better. Points
 /// without costs, or with other than finite ones, are not compared.
 pub fn front(costs: &[Option<Vec<f64>>]) -> Vec<bool> {
     let is_known = |costs: &&[f64]| !costs.is_empty() && costs.iter().all(|cost| cost.is_finite());

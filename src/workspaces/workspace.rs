@@ -135,7 +135,7 @@ pub trait Workspace: Any + Commanded {
     /// called `label` that can be undone.
     ///
     /// # Errors
-    /// One line for the user.
+    /// Sentence for the user, of one line.
     fn take_parameters(&mut self, file: &Path, _label: &str) -> Result<(), String> {
         Err(format!("{}: this workspace takes no parameters from points", file.display()))
     }

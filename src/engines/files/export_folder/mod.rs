@@ -383,7 +383,7 @@ mod tests {
         assert!(error.contains("table.csv") && error.contains("directory"), "{error}");
     }
 
-    /// What a program leaves that is killed after `moves` of the moves of its export, or after writing its manifest.
+    /// Leftovers of a program that is killed after `moves` of the moves of its export, or after writing its manifest.
     fn killed(next: ExportFolder, moves: Option<usize>) {
         let (planned, _, manifest) = next.planned().unwrap();
         let journal = Journal { manifest: manifest.as_ref().map(digest), moves: planned };

@@ -591,7 +591,7 @@ mod tests {
         job
     }
 
-    /// What a row says is what the job has afterwards, whichever row was taken before.
+    /// The job has afterwards all that a row says, whichever row was taken before.
     #[test]
     fn a_row_that_is_taken_leaves_nothing_of_the_one_before() {
         for stage in [None, Some("finish")] {
