@@ -182,7 +182,7 @@ pub fn size(
 }
 
 /// A row with the electrodes that were planned for it.
-pub(super) struct Sized {
+pub(super) struct PlannedSize {
     pub row: SizeRow,
     pub electrodes: Vec<ElectrodeOutcome>,
 }
@@ -197,7 +197,7 @@ pub(super) fn sizes_of_stage(
     (stage, range): (usize, SizingRange),
     found: &(dyn Fn(&SizeRow) + Sync),
     task: &Task,
-) -> Result<Vec<Sized>, PlanJobError> {
+) -> Result<Vec<PlannedSize>, PlanJobError> {
     if !inputs.own_electrodes.is_empty() {
         return Err(PlanJobError::Job(
             "an electrode mesh of your own has the size it has; remove it to size".to_owned(),
@@ -300,7 +300,7 @@ impl Full {
 }
 
 impl Sizing<'_> {
-    fn one_part(&self, rows: &mut Vec<Sized>) -> Result<(), PlanJobError> {
+    fn one_part(&self, rows: &mut Vec<PlannedSize>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
         let (mut impossible, mut possible) = (Vec::new(), false);
         for side in sides(&self.of(1).job, &self.prepared.space.channel, 0)? {
@@ -342,7 +342,7 @@ impl Sizing<'_> {
         Ok(())
     }
 
-    fn show(&self, sized: Sized, rows: &mut Vec<Sized>) {
+    fn show(&self, sized: PlannedSize, rows: &mut Vec<PlannedSize>) {
         (self.found)(&sized.row);
         rows.push(sized);
     }
@@ -362,7 +362,7 @@ impl Sizing<'_> {
         Ok(if high < low { [angle, high] } else { [low, angle] })
     }
 
-    fn many(&self, parts: usize, rows: &mut Vec<Sized>) -> Result<(), PlanJobError> {
+    fn many(&self, parts: usize, rows: &mut Vec<PlannedSize>) -> Result<(), PlanJobError> {
         let inputs = self.of(parts);
         let (mut most, mut limiting) = (0.0f64, 0);
         let mut walls = vec![[0.0f64; 2]; parts];
@@ -453,7 +453,7 @@ impl Sizing<'_> {
         (parts, enter): (usize, EnterSide),
         walls: &[[f64; 2]],
         limiting: usize,
-    ) -> Result<Option<Sized>, PlanJobError> {
+    ) -> Result<Option<PlannedSize>, PlanJobError> {
         let mut inputs = self.of(parts);
         inputs.job.electrode.enter = enter;
         let mut raises = vec![0; walls.len()];
@@ -462,7 +462,7 @@ impl Sizing<'_> {
             let raised = walls.iter().enumerate().map(|(part, walls)| walls.map(|wall| wall.to_degrees() + more(part)));
             let raised_deg = raises.iter().max().map_or(0.0, |raises| f64::from(*raises) * TOLERANCE_DEG);
             match self.planned(&mut inputs, raised.collect(), limiting)? {
-                Ok(sized) => return Ok(Some(Sized { row: SizeRow { raised_deg, ..sized.row }, ..sized })),
+                Ok(sized) => return Ok(Some(PlannedSize { row: SizeRow { raised_deg, ..sized.row }, ..sized })),
                 Err(outcome) if walls.len() > 1 => {
                     let failed = outcome.electrodes.iter().filter(|e| !e.plan.is_verified());
                     let mut parts: Vec<usize> = failed.map(|e| e.electrode.part).collect();
@@ -477,7 +477,7 @@ impl Sizing<'_> {
 
     /// `sized`, which has one part and equal reductions, or one of less reduction that a whole plan reaches: a plan needs
     /// less clearance in its fields than the search for the least, and repairs what its certificate rejects.
-    fn lowered(&self, mut sized: Sized) -> Result<Sized, PlanJobError> {
+    fn lowered(&self, mut sized: PlannedSize) -> Result<PlannedSize, PlanJobError> {
         let mut inputs = self.of(1);
         inputs.job.electrode.enter = sized.row.enter;
         let mut left = LOWER.iter();
@@ -501,7 +501,7 @@ impl Sizing<'_> {
         inputs: &mut PlanInputs,
         reduction_deg: Vec<[f64; 2]>,
         limiting: usize,
-    ) -> Result<Result<Sized, PlanOutcome>, PlanJobError> {
+    ) -> Result<Result<PlannedSize, PlanOutcome>, PlanJobError> {
         // To a thousandth, upwards: what is shown is what was planned.
         let upwards = |walls: [f64; 2]| walls.map(|deg| (deg * 1e3).ceil() / 1e3);
         let reduction_deg: Vec<[f64; 2]> = reduction_deg.into_iter().map(upwards).collect();
@@ -529,7 +529,7 @@ impl Sizing<'_> {
             limit: limit_of(&outcome, limiting),
             raised_deg: 0.0,
         };
-        Ok(Ok(Sized { row, electrodes: outcome.electrodes }))
+        Ok(Ok(PlannedSize { row, electrodes: outcome.electrodes }))
     }
 }
 
@@ -558,88 +558,4 @@ fn only(side: EntrySide) -> EnterSide {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use wheel::electrode::StageParams;
-
-    fn row(stage: Option<&str>, parts: usize, reduction_deg: Vec<[f64; 2]>, until: Option<f64>) -> SizeRow {
-        let part = until.into_iter().map(|until| PartParams { until: Some(until), ..PartParams::default() }).collect();
-        SizeRow {
-            stage: stage.map(str::to_owned),
-            parts,
-            enter: EnterSide::Auto,
-            reduction_deg,
-            part,
-            least_thickness_mm: 2.0,
-            volume_mm3: 100.0,
-            certified_mm: 0.1,
-            limit: None,
-            raised_deg: 0.0,
-        }
-    }
-
-    /// A job whose parts have a division and a reduction of their own, in two stages if wanted.
-    fn job(is_staged: bool) -> PlanJob {
-        let mut job = PlanJob::demonstration();
-        let own = PartParams { until: Some(0.4), low_reduction_deg: Some(3.0), ..PartParams::default() };
-        (job.electrode.parts, job.electrode.part, job.electrode.enter) = (2, vec![own], EnterSide::PlusX);
-        if is_staged {
-            let stage =
-                |name: &str, spark_gap_mm| StageParams { name: name.to_owned(), spark_gap_mm, ..Default::default() };
-            job.electrode.stage = vec![stage("rough", 0.3), stage("finish", 0.1)];
-        }
-        job
-    }
-
-    /// The job has afterwards all that a row says, whichever row was taken before.
-    #[test]
-    fn a_row_that_is_taken_leaves_nothing_of_the_one_before() {
-        for stage in [None, Some("finish")] {
-            let one = row(stage, 1, vec![[1.0, 1.0]], None);
-            let two = row(stage, 2, vec![[1.0, 2.0], [0.5, 0.25]], Some(0.4));
-            let equal = row(stage, 2, vec![[1.5, 1.5]], Some(0.4));
-            for taken in [&one, &two, &equal] {
-                let mut direct = job(stage.is_some());
-                taken.apply(&mut direct);
-                direct.validate().unwrap();
-                let last = direct.electrode.of_last_stage();
-                assert_eq!((last.parts, last.enter), (taken.parts, EnterSide::Auto));
-                for part in 0..taken.parts {
-                    let walls = taken.reduction_deg.get(part).unwrap_or(&taken.reduction_deg[0]);
-                    assert_eq!(last.of_part(part).circumferential_reduction_deg, *walls, "{taken:?}");
-                }
-                assert_eq!(last.part.first().and_then(|row| row.until), taken.part.first().and_then(|row| row.until));
-                for before in [&one, &two, &equal] {
-                    let mut after = job(stage.is_some());
-                    before.apply(&mut after);
-                    assert!(before.is_applied(&after));
-                    taken.apply(&mut after);
-                    assert_eq!(after, direct, "{before:?} then {taken:?}");
-                }
-            }
-        }
-    }
-
-    /// A table stays current while its rows are taken, and no longer once what they were found with is changed.
-    #[test]
-    fn what_is_forgotten_is_what_rows_set() {
-        let forgotten = |job: &PlanJob| {
-            let mut electrode = job.electrode.clone();
-            SizeRow::forget(&mut electrode);
-            electrode
-        };
-        for stage in [None, Some("rough")] {
-            let mut plain = job(stage.is_some());
-            // Divisions of single parts are kept only by rows of as many parts.
-            plain.electrode.part.clear();
-            let mut taken = plain.clone();
-            row(stage, 3, vec![[1.0, 2.0], [0.5, 0.25], [0.1, 0.2]], None).apply(&mut taken);
-            assert_eq!(forgotten(&taken), forgotten(&plain));
-            taken.electrode.spark_gap_mm += 0.01;
-            assert_ne!(forgotten(&taken), forgotten(&plain));
-        }
-        let mut entered = job(true);
-        entered.electrode.enter = EnterSide::MinusX;
-        assert_ne!(forgotten(&entered), forgotten(&job(true)), "stages without a side of their own enter from it");
-    }
-}
+mod tests;
