@@ -311,11 +311,22 @@ impl Sizing<'_> {
                 }
                 full => full?,
             };
-            possible = true;
             let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| full.turns([h, h]));
-            let Some(least) = self.sized(&full, equal)? else { continue };
+            let Some(least) = self.sized(&full, equal)? else {
+                possible = true;
+                continue;
+            };
             let angle = least.angle.max(full.reduction);
-            let Some(sized) = self.certified((1, only(side)), &[[angle; 2]], 0)? else { continue };
+            let sized = match self.certified((1, only(side)), &[[angle; 2]], 0) {
+                // What is made for the plan may be refused where the fullest one was not.
+                Err(PlanJobError::Electrode(error)) => {
+                    impossible.push((side, error));
+                    continue;
+                }
+                sized => sized?,
+            };
+            possible = true;
+            let Some(sized) = sized else { continue };
             let sized = self.lowered(sized)?;
             let least = Least { angle: sized.row.most_deg().to_radians(), ..least };
             self.show(sized, rows);
