@@ -2,6 +2,8 @@
 //!
 //! The three molds come from a CAD kernel: square pockets, slots and lands, filleted cavities on a draft.
 
+#[path = "mold/heights.rs"]
+mod heights;
 #[path = "mold/random.rs"]
 mod random;
 
