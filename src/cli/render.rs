@@ -124,7 +124,7 @@ fn of_meshes(meshes: &[PathBuf], arguments: &RenderArguments, session: &Session)
     let mut scene = Scene::new(arguments.theme);
     for (i, path) in meshes.iter().enumerate() {
         let imported = session.import(path, &arguments.units.into())?;
-        let shape = Arc::new(RenderMesh::new(&imported.mesh));
+        let shape = Arc::new(RenderMesh::for_pictures(&imported.mesh));
         scene.objects.push(Object::new(ObjectId(i as u32), shape, mesh_colour(i)));
     }
     scene.grid = Grid::below(&scene.bounds());

@@ -81,7 +81,7 @@ fn hit(object: &Object, sight: &Sight, section: Option<&SectionPlane>) -> Option
     let start = sight.ray.origin + sight.ray.direction * sight.from;
     let (origin, direction) = (to_mesh.transform_point3(start), to_mesh.transform_vector3(sight.ray.direction));
     // In a scaled mesh the ray is scaled with it: distances are in its lengths.
-    let found = rays.first_hit(origin, direction, reach(sight))?;
+    let found = rays.first_hit(object.mesh.source(), origin, direction, reach(sight))?;
     let enters_material = found.normal.dot(direction) > 0.0;
     if sight.from_plane && object.mesh.is_closed() && enters_material {
         let normal = section.and_then(SectionPlane::unit_normal)?;
