@@ -65,7 +65,7 @@ impl SearchProblem<'_> {
         let one = |i: usize| {
             cancel.check()?;
             let at = (task.s, self.turned(task.h_so_far));
-            let pose = self.model.ascend(start_of(self, task, i), at, &wide, self.free_axes(), ASCENT).pose;
+            let pose = self.model.ascend(start_of(self, task, i), at, &wide, self.free_axes(), ASCENT, cancel)?.pose;
             let free = self.is_free(&pose, task.s, task.h_so_far, &mut 0);
             let distance = || self.model.least_clearance(&pose, self.turned(task.h_so_far));
             Ok(free.then(|| (distance(), self.valued_candidate(pose, task))))

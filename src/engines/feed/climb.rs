@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::clearance::{ClearanceModel, Lacking, NearbyPoses, Shortfall};
 use super::pose::{Axis, Pose};
 use super::probes::{Demand, Instant, Turns};
+use task::{Cancel, Cancelled};
 
 /// End of an ascent.
 #[derive(Debug, Clone, Copy)]
@@ -103,8 +104,16 @@ impl ClearanceModel<'_> {
     /// Moves `start` along `axes` to where the worst probe lacks least, by at most `steps` steps of steepest ascent of
     /// the least clearance within a region in which the fields are trusted. What lies between two walls comes to stand
     /// in the middle between them.
-    pub fn ascend(&self, start: Pose, at: (f64, Turns), demand: &Demand, axes: &[Axis], steps: usize) -> Ascent {
-        self.ascend_from(start, at, demand, axes, |_| steps)
+    pub fn ascend(
+        &self,
+        start: Pose,
+        at: (f64, Turns),
+        demand: &Demand,
+        axes: &[Axis],
+        steps: usize,
+        cancel: &Cancel,
+    ) -> Result<Ascent, Cancelled> {
+        self.ascend_from(start, at, demand, axes, |_| steps, cancel)
     }
 
     /// [`ascend`](Self::ascend) by as many steps as `steps` returns for what the worst probe lacks at `start` (mm).
@@ -115,7 +124,8 @@ impl ClearanceModel<'_> {
         demand: &Demand,
         axes: &[Axis],
         steps: impl FnOnce(f64) -> usize,
-    ) -> Ascent {
+        cancel: &Cancel,
+    ) -> Result<Ascent, Cancelled> {
         const WORST: usize = 48;
         /// Length of the first and of the last step (mm).
         const TRUST: [f64; 2] = [0.4, 0.004];
@@ -126,6 +136,8 @@ impl ClearanceModel<'_> {
         let lack_of = |lacking: &[Shortfall]| lacking.first().map_or(0.0, |w| w.lack);
         let (mut pose, mut lacking, mut trust) = (start, look(&start), TRUST[0]);
         for _ in 0..steps(lack_of(&lacking)) {
+            // At a pose where none was before, the distance fields are made first.
+            cancel.check()?;
             let lack = lack_of(&lacking);
             if lack == 0.0 || trust < TRUST[1] {
                 break;
@@ -138,7 +150,7 @@ impl ClearanceModel<'_> {
             }
             trust *= if gain >= GOOD * expected { 1.5 } else { 0.4 };
         }
-        Ascent { pose, lack: lack_of(&lacking), worst: lacking.first().copied() }
+        Ok(Ascent { pose, lack: lack_of(&lacking), worst: lacking.first().copied() })
     }
 
     /// The step that gains most for the worst of `lacking`, to first order, less half its square over `trust` (mm), and

@@ -2,6 +2,7 @@
 //! blisk's edges against the electrode.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::clearance_cache::{ClearanceCache, MotionBound};
 use super::plan_params::Thresholds;
@@ -134,9 +135,9 @@ impl Probes {
 
     /// Probes at `samples`, of which those on some sides of the electrode are wanted to keep more; `clearance` returns the
     /// clearance of each in the final pose.
-    pub fn new(mut samples: Vec<Sample>, sides: SideDemand, clearance: impl Fn(DVec3) -> f64) -> Self {
+    pub fn new(mut samples: Vec<Sample>, sides: SideDemand, clearance: impl Fn(DVec3) -> f64 + Sync) -> Self {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
-        let at_final = samples.iter().map(|s| clearance(s.point)).collect();
+        let at_final = samples.par_iter().map(|s| clearance(s.point)).collect();
         let extra =
             |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra + sides.of(s.face)).fold(0.0, f64::max);
         let cluster_extra: Vec<f64> = clusters.iter().map(extra).collect();

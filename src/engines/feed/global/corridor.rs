@@ -134,7 +134,7 @@ impl<'a> Corridor<'a> {
         let seeds: Vec<(usize, usize)> = (0..parents.len()).flat_map(|p| (0..each).map(move |i| (p, i))).collect();
         let one = |&(parent, number): &(usize, usize)| {
             cancel.check()?;
-            let configuration = self.space.widest_near(self.seed(parent, number, each, s), s);
+            let configuration = self.space.widest_near(self.seed(parent, number, each, s), s, cancel)?;
             let before = &parents[parent];
             let waypoint = before.then(&configuration, parent, self.space);
             let joins = || self.space.joins((before.s, &before.pose), (s, &configuration.pose));
@@ -227,7 +227,7 @@ impl FreeSpace<'_> {
     ) -> Result<Option<ExtractionPath>, Cancelled> {
         let configuration = |&(s, pose): &(f64, Pose)| {
             cancel.check()?;
-            let configuration = if s == 0.0 { self.origin() } else { self.widest_near(pose, s) };
+            let configuration = if s == 0.0 { self.origin() } else { self.widest_near(pose, s, cancel)? };
             Ok(self.is_free(&configuration).then_some(configuration))
         };
         let configurations: Result<Vec<Option<Configuration>>, Cancelled> =
@@ -237,8 +237,7 @@ impl FreeSpace<'_> {
         };
         let stretch = |pair: &[Configuration]| {
             cancel.check()?;
-            let d = self.stretch(&pair[0], &pair[1], Self::HALVINGS);
-            Ok(d)
+            self.stretch(&pair[0], &pair[1], Self::HALVINGS, cancel)
         };
         let stretches: Result<Vec<Option<Vec<Configuration>>>, Cancelled> =
             configurations.par_windows(2).map(stretch).collect();
@@ -246,16 +245,23 @@ impl FreeSpace<'_> {
     }
 
     /// Configurations from the one after `from` to `to` with free motions between them.
-    fn stretch(&self, from: &Configuration, to: &Configuration, halvings: usize) -> Option<Vec<Configuration>> {
+    fn stretch(
+        &self,
+        from: &Configuration,
+        to: &Configuration,
+        halvings: usize,
+        cancel: &Cancel,
+    ) -> Result<Option<Vec<Configuration>>, Cancelled> {
         if self.joins((from.s, &from.pose), (to.s, &to.pose)) {
-            return Some(vec![*to]);
+            return Ok(Some(vec![*to]));
         }
-        let halvings = halvings.checked_sub(1)?;
-        let middle = self.widest_near(from.pose.lerp(&to.pose, 0.5), 0.5 * (from.s + to.s));
+        let Some(halvings) = halvings.checked_sub(1) else { return Ok(None) };
+        let middle = self.widest_near(from.pose.lerp(&to.pose, 0.5), 0.5 * (from.s + to.s), cancel)?;
         if !self.is_free(&middle) {
-            return None;
+            return Ok(None);
         }
-        Some([self.stretch(from, &middle, halvings)?, self.stretch(&middle, to, halvings)?].concat())
+        let Some(before) = self.stretch(from, &middle, halvings, cancel)? else { return Ok(None) };
+        Ok(self.stretch(&middle, to, halvings, cancel)?.map(|after| [before, after].concat()))
     }
 
     /// The path from the final pose over `configurations`.

@@ -5,6 +5,7 @@ use crate::climb::Ascent;
 use crate::pose::Pose;
 use crate::probes::Demand;
 use crate::problem::SearchProblem;
+use task::{Cancel, Cancelled};
 
 /// Distance between the points that lead the search (mm).
 pub(super) const COARSE: f64 = 0.6;
@@ -63,23 +64,23 @@ impl<'a> FreeSpace<'a> {
     }
 
     /// Configuration with the greatest clearance margin near `start`.
-    pub(super) fn widest_near(&self, start: Pose, s: f64) -> Configuration {
+    pub(super) fn widest_near(&self, start: Pose, s: f64, cancel: &Cancel) -> Result<Configuration, Cancelled> {
         // Near the final pose there cannot be much room: it is taken in proportion to what space may have opened.
         let opened = (s / Self::OPEN).min(1.0);
         let wide = self.room * opened;
-        let ascent = self.ascended(start, s, &Demand { room: wide, ..self.problem.narrow() });
+        let ascent = self.ascended(start, s, &Demand { room: wide, ..self.problem.narrow() }, cancel)?;
         let (room, lack) = ((wide - ascent.lack) / opened, (ascent.lack - wide).max(0.0));
-        Configuration { s, pose: ascent.pose, room, lack, worst: ascent.worst }
+        Ok(Configuration { s, pose: ascent.pose, room, lack, worst: ascent.worst })
     }
 
-    fn ascended(&self, start: Pose, s: f64, demand: &Demand) -> Ascent {
+    fn ascended(&self, start: Pose, s: f64, demand: &Demand, cancel: &Cancel) -> Result<Ascent, Cancelled> {
         let (at, axes) = ((s, self.problem.turns), self.problem.free_axes());
-        let led = self.coarse.ascend(start, at, demand, axes, self.ascent);
+        let led = self.coarse.ascend(start, at, demand, axes, self.ascent, cancel)?;
         if led.lack > demand.room + Self::HOPELESS {
-            return led;
+            return Ok(led);
         }
         let touch = |lack: f64| if lack > demand.room { Self::TOUCH } else { 0 };
-        self.problem.model.ascend_from(led.pose, at, demand, axes, touch)
+        self.problem.model.ascend_from(led.pose, at, demand, axes, touch, cancel)
     }
 
     /// Whether the configuration is free: no clearance is lacking and the axes are within their travel.

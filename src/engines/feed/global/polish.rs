@@ -82,7 +82,7 @@ impl SearchProblem<'_> {
                 return Ok(Polished { pose: node.pose, demand: narrow, trust: 0.0 });
             }
             let at = (node.s, self.turns);
-            let ascent = self.model.ascend(node.pose, at, &wide, self.free_axes(), LOOK_AROUND);
+            let ascent = self.model.ascend(node.pose, at, &wide, self.free_axes(), LOOK_AROUND, cancel)?;
             let room = (params.room_mm - ascent.lack).max(0.0);
             let demand = Demand { room: params.room_kept * room, ..narrow };
             Ok(Polished { pose: ascent.pose, demand, trust: TRUST[0] })
