@@ -65,19 +65,19 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
     let columns: Vec<Vec<usize>> = (0..CELLS[0])
         .into_par_iter()
         .map(|ix| {
-            cancel.check()?;
             let count = |ir| {
+                cancel.check()?;
                 let at = slices.cell_middle(ix, ir);
                 let gaps = slices.gaps(at.x, at.y);
-                match wanted {
+                Ok(match wanted {
                     Some(count) => {
                         // Blades of an unequal pitch are as many.
                         if gaps.len() == count || slots(&gaps, count).is_some() { count } else { 0 }
                     }
                     None => even_count(&gaps).filter(|&n| n >= 3).unwrap_or(0),
-                }
+                })
             };
-            Ok((0..CELLS[1]).map(count).collect())
+            (0..CELLS[1]).map(count).collect()
         })
         .collect::<Result<_, Cancelled>>()?;
     let mut regions = without_holes(connected(columns), slices);

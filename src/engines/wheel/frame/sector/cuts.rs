@@ -38,7 +38,10 @@ pub(super) fn cuts(mesh: &Mesh, on_cut: f64, cancel: &Cancel) -> Result<Vec<Cut>
     const LEAST: f64 = 1e-3;
     let mut directions: HashMap<[i32; 3], DVec3> = HashMap::new();
     let mut whole = 0.0;
-    for corners in mesh.iter_corners() {
+    for (i, corners) in mesh.iter_corners().enumerate() {
+        if i % (1 << 16) == 0 {
+            cancel.check()?;
+        }
         let normal = normal_times_two_areas(corners);
         whole += 0.5 * normal.length();
         let key = (normal.normalize_or_zero() / STEP).round().as_ivec3().to_array();
@@ -54,6 +57,7 @@ pub(super) fn cuts(mesh: &Mesh, on_cut: f64, cancel: &Cancel) -> Result<Vec<Cut>
         let (mut cut, near) = (Cut { normal, at: furthest(normal), area: 0.0 }, 50.0 * on_cut);
         // Once more with the normal of all that lies near and looks that way: a step holds some triangles of a cut.
         for within in [near, on_cut] {
+            cancel.check()?;
             let looks = |normal: DVec3| normal.dot(cut.normal) > (1.0 - 2.0 * STEP * STEP) * normal.length();
             let lies = |t: &[DVec3; 3]| t.iter().all(|p| cut.at - cut.normal.dot(*p) <= within);
             let normals = mesh.iter_corners().filter(lies).map(normal_times_two_areas);

@@ -148,7 +148,8 @@ fn sectors<'a>(
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut, cancel)?, Turning::new(mesh));
-    let sections: Vec<Vec<DVec3>> = cuts.par_iter().map(|cut| thinned(cut.facets(mesh, on_cut).flatten())).collect();
+    let section = |cut: &Cut| cancel.check().map(|()| thinned(cut.facets(mesh, on_cut).flatten()));
+    let sections: Vec<Vec<DVec3>> = cuts.par_iter().map(section).collect::<Result<_, Cancelled>>()?;
     let all = thinned(mesh.vertices.iter().copied());
     let mut axes: Vec<(f64, Axis, [usize; 2])> = Vec::new();
     let mut add = |axis: Axis, of: [usize; 2]| {
@@ -166,6 +167,7 @@ fn sectors<'a>(
     };
     for (i, a) in cuts.iter().enumerate() {
         for (j, b) in cuts[..i].iter().enumerate() {
+            cancel.check()?;
             let along = a.normal.cross(b.normal);
             if along.length() < LEAST_ANGLE {
                 continue;
