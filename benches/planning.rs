@@ -63,7 +63,7 @@ fn planning(criterion: &mut Criterion) {
         samples: SamplesOf::Prepared,
         sides: SideDemand::default(),
     };
-    let model = ClearanceModel::new(bodies, samples, Vec::new());
+    let model = ClearanceModel::new(bodies, samples, Vec::new(), &Cancel::default()).expect("no cancel");
     let pose = Pose { x: 0.2, z: 0.1, ..Pose::FINAL };
     group.bench_function("clearance of 1500 samples", |b| b.iter(|| model.least_clearance(&pose, Turns::NONE)));
     let placement = pose.placement(electrode.reference_point);

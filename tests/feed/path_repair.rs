@@ -51,7 +51,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
         sides: SideDemand::default(),
     };
     let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel).unwrap();
-    let model = ClearanceModel::new(bodies, samples, space.edges.clone());
+    let model = ClearanceModel::new(bodies, samples, space.edges.clone(), &task::Cancel::default()).unwrap();
     let axes = job.machine.axes;
     let weights = job.plan.weights.normalised(&axes.axes()[1..]);
     let ranges = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0];

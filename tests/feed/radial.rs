@@ -154,7 +154,7 @@ fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
     let channel = space.channel.clone();
     let mut made = make_electrodes(&channel, &exact, &job.electrode, EntrySide::Outward, &task).unwrap();
     let electrode = PreparedElectrode::new(&space, made.swap_remove(0).into(), 0.1, 0.0, &task).unwrap();
-    let model = electrode.model(&space, SideDemand::default());
+    let model = electrode.model(&space, SideDemand::default(), &Cancel::default()).unwrap();
     let test = AngleTest::new(&channel, 0.1, &AngleParams::default());
     let is_free = |pose: Pose| test.is_free(&model, &pose, Turns::NONE);
     assert!(is_free(Pose::FINAL));
@@ -185,7 +185,7 @@ fn an_electrode_with_its_walls_drawn_in_has_the_clearances_of_one_prepared_by_it
     let prepared = PreparedElectrode::new(&space, full, 0.1, 0.2, &task).unwrap();
     let own = PreparedElectrode::new(&space, drawn_in.clone(), 0.1, 0.0, &task).unwrap();
     let model = prepared.model_of(&drawn_in, &space, SideDemand::default(), &task.cancel).unwrap();
-    let truth = own.model(&space, SideDemand::default());
+    let truth = own.model(&space, SideDemand::default(), &Cancel::default()).unwrap();
     let turns = Turns(reductions.map(f64::to_radians));
     for (z, y, c) in [(0.5, 0.0, 0.0), (2.0, 0.3, 0.05), (6.0, -0.5, 0.3), (12.0, 1.0, -0.4), (20.0, -2.0, 0.8)] {
         let pose = Pose { z, y, c, ..Pose::FINAL };

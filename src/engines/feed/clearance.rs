@@ -13,6 +13,7 @@ use super::probes::{Demand, Instant, Probes, SideDemand, Turns, group};
 use super::samples::{Sample, thinned};
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
+use task::{Cancel, Cancelled};
 use wheel::electrode::{ElectrodeFace, EntrySide};
 
 /// The two bodies' probes over each other's distance fields.
@@ -218,18 +219,28 @@ impl Bodies<'_> {
 
 impl<'a> ClearanceModel<'a> {
     /// A model with `electrode_samples` on the electrode and `blisk_points` on the blisk.
-    pub fn new(bodies: Bodies<'a>, electrode_samples: Vec<Sample>, blisk_points: Vec<Sample>) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(
+        bodies: Bodies<'a>,
+        electrode_samples: Vec<Sample>,
+        blisk_points: Vec<Sample>,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let greatest =
             |length: &dyn Fn(DVec3) -> f64| electrode_samples.iter().map(|s| length(s.point)).fold(0.0, f64::max);
         let field = bodies.electrode.bounds();
         let around = Bounds::of(electrode_samples.iter().map(|s| s.point).chain([field.min, field.max]));
-        Self {
+        let to_blisk = |p: DVec3| bodies.clearance_at(p);
+        let to_electrode = |p: DVec3| bodies.distance_to_electrode(p, f64::INFINITY);
+        Ok(Self {
             around,
             levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
-            electrode: Probes::new(electrode_samples, bodies.sides, |p| bodies.clearance_at(p)),
-            blisk: Probes::new(blisk_points, SideDemand::default(), |p| bodies.distance_to_electrode(p, f64::INFINITY)),
+            electrode: Probes::new(electrode_samples, bodies.sides, to_blisk, cancel)?,
+            blisk: Probes::new(blisk_points, SideDemand::default(), to_electrode, cancel)?,
             bodies,
-        }
+        })
     }
 
     /// The electrode's samples.
@@ -275,14 +286,26 @@ impl<'a> ClearanceModel<'a> {
     }
 
     /// Model with probes no nearer to each other than `spacing` (mm), and with all probes that have an extra demand.
-    pub fn thinned(&self, spacing: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn thinned(&self, spacing: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
         let [electrode, blisk] = [&self.electrode, &self.blisk].map(|probes| thinned(probes.samples(), spacing));
-        Self::new(self.bodies.clone(), electrode, blisk)
+        Self::new(self.bodies.clone(), electrode, blisk, cancel)
     }
 
     /// Model with further probes; a probe that exists already takes the greater demand.
-    pub fn with_probes(&self, electrode_samples: &[Sample], blisk_points: &[Sample]) -> Self {
-        Self::new(self.bodies.clone(), self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points))
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn with_probes(
+        &self,
+        electrode_samples: &[Sample],
+        blisk_points: &[Sample],
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let [electrode, blisk] = [self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points)];
+        Self::new(self.bodies.clone(), electrode, blisk, cancel)
     }
 
     /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in by

@@ -84,6 +84,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     use super::*;
+    use task::Cancel;
     use crate::probes::{Demand, Instant, Probes, SideDemand, Turns};
     use crate::samples::Sample;
     use wheel::electrode::ElectrodeFace;
@@ -100,7 +101,7 @@ mod tests {
     /// Over a plane, from which distances are exact.
     #[test]
     fn watched_looks_find_what_fresh_ones_find_and_ask_less() {
-        let probes = Probes::new(plate(), SideDemand::default(), |_| 0.3);
+        let probes = Probes::new(plate(), SideDemand::default(), |_| 0.3, &Cancel::default()).unwrap();
         let demand = Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01, room: 0.1 };
         let at = Instant { s: 9.0, turns: Turns::NONE };
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);

@@ -80,8 +80,8 @@ pub fn preview_path(
 ) -> Result<PreviewPath, PlanError> {
     settings.validate()?;
     let &DrawnIn { prepared, turns, electrode } = drawn_in;
-    Planning { setup: SearchSetup { space, settings, turns, guide: None }, task }
-        .preview_path(electrode, &prepared.model(space, settings.side_demand()))
+    let model = prepared.model(space, settings.side_demand(), &task.cancel)?;
+    Planning { setup: SearchSetup { space, settings, turns, guide: None }, task }.preview_path(electrode, &model)
 }
 
 /// What a search works with: the clearances, the genetic parameters and what the verifier taught.
@@ -105,7 +105,7 @@ impl Planning<'_> {
         let started = Instant::now();
         let prepared = self.prepared(electrode.clone())?;
         let sides = self.setup.settings.side_demand();
-        let model = prepared.model(self.setup.space, sides);
+        let model = prepared.model(self.setup.space, sides, &self.task.cancel)?;
         let mut plan = self.nothing_yet(electrode, &model);
         plan.field_seconds = started.elapsed().as_secs_f64();
         let mut genetic = *self.setup.settings.genetic;
@@ -127,7 +127,8 @@ impl Planning<'_> {
             };
             let prepared = self.prepared(remade.clone())?;
             plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-            self.verify_and_repair(&mut plan, &remade, &prepared.model(self.setup.space, sides), &genetic)?;
+            let model = prepared.model(self.setup.space, sides, &self.task.cancel)?;
+            self.verify_and_repair(&mut plan, &remade, &model, &genetic)?;
             plan.remade = Some(remade);
         } else {
             self.verify_and_repair(&mut plan, electrode, &model, &genetic)?;
@@ -147,7 +148,7 @@ impl Planning<'_> {
             Some(jam) if self.setup.settings.explain && jam.contact().is_some() => {
                 let known = jam.place_and_cause(&self.setup.space.channel);
                 let task = &self.task.as_stage_about(Opening::SEARCH, &known);
-                let model = &prepared.model(self.setup.space, sides);
+                let model = &prepared.model(self.setup.space, sides, &self.task.cancel)?;
                 jam.opening = Some(match self.opening(prepared.electrode(), model, task) {
                     // Where it jams is known all the same.
                     Err(PlanError::Cancelled(_)) => Opening::stopped(),
@@ -247,7 +248,7 @@ impl Planning<'_> {
                     .push([nearest - self.setup.settings.plan.step_mm, nearest + self.setup.settings.plan.step_mm]);
             }
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.setup.settings.plan.step_mm).count().max(1);
-            let model = model.with_probes(&refinements.on_electrode, &refinements.on_blisk);
+            let model = model.with_probes(&refinements.on_electrode, &refinements.on_blisk, &self.task.cancel)?;
             if beyond.is_none() && plan.repairs < Self::ROUNDS && self.repair(plan, &model, &refinements)? {
                 plan.repairs += 1;
                 continue;

@@ -108,8 +108,16 @@ impl PreparedElectrode {
     /// Clearance model of the electrode in `space`, for which it was prepared, with what is wanted of single sides. With
     /// walls drawn in, the turned walls are those of an electrode made with such reductions, to some thousandths of a mm at
     /// corners; the holder stays where it is.
-    pub fn model<'a>(&'a self, space: &'a PlanningSpace, sides: SideDemand) -> ClearanceModel<'a> {
-        ClearanceModel::new(self.bodies(space, sides), self.samples.clone(), space.edges.clone())
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn model<'a>(
+        &'a self,
+        space: &'a PlanningSpace,
+        sides: SideDemand,
+        cancel: &Cancel,
+    ) -> Result<ClearanceModel<'a>, Cancelled> {
+        ClearanceModel::new(self.bodies(space, sides), self.samples.clone(), space.edges.clone(), cancel)
     }
 
     /// Clearance model of `drawn_in`, an electrode made with its walls drawn in: of its own points, reference point and
@@ -128,7 +136,7 @@ impl PreparedElectrode {
         let reference_point = drawn_in.reference_point;
         let outside = Outside::new(&space.blisk, &drawn_in.mesh, reference_point).into();
         let bodies = Bodies { samples: SamplesOf::DrawnIn, reference_point, outside, ..self.bodies(space, sides) };
-        Ok(ClearanceModel::new(bodies, samples, space.edges.clone()))
+        ClearanceModel::new(bodies, samples, space.edges.clone(), cancel)
     }
 
     fn bodies<'a>(&'a self, space: &'a PlanningSpace, sides: SideDemand) -> Bodies<'a> {

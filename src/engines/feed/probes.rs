@@ -9,6 +9,7 @@ use super::plan_params::Thresholds;
 use super::samples::{Cluster, Sample, cluster};
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
+use task::{Cancel, Cancelled};
 use wheel::electrode::ElectrodeFace;
 
 /// Clearance that the search demands.
@@ -135,16 +136,24 @@ impl Probes {
 
     /// Probes at `samples`, of which those on some sides of the electrode are wanted to keep more; `clearance` returns the
     /// clearance of each in the final pose.
-    pub fn new(mut samples: Vec<Sample>, sides: SideDemand, clearance: impl Fn(DVec3) -> f64 + Sync) -> Self {
+    pub fn new(
+        mut samples: Vec<Sample>,
+        sides: SideDemand,
+        clearance: impl Fn(DVec3) -> f64 + Sync,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
-        let at_final = samples.par_iter().map(|s| clearance(s.point)).collect();
+        let at_final = samples
+            .par_iter()
+            .map(|s| cancel.check().map(|()| clearance(s.point)))
+            .collect::<Result<_, Cancelled>>()?;
         let extra =
             |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra + sides.of(s.face)).fold(0.0, f64::max);
         let cluster_extra: Vec<f64> = clusters.iter().map(extra).collect();
         let greatest_extra = cluster_extra.iter().copied().fold(0.0, f64::max);
         let greatest_learned = samples.iter().map(|s| s.extra).fold(0.0, f64::max);
         let blocks = blocks(&samples, &clusters);
-        Self { samples, sides, at_final, clusters, cluster_extra, blocks, greatest_extra, greatest_learned }
+        Ok(Self { samples, sides, at_final, clusters, cluster_extra, blocks, greatest_extra, greatest_learned })
     }
 
     /// The points, in the order of their numbers.

@@ -49,13 +49,13 @@ impl<'a> FreeSpace<'a> {
     /// Motion between the poses at which a path is tested (mm).
     const STRIDE: f64 = 0.25;
 
-    pub(super) fn new(problem: &'a SearchProblem<'a>, room: f64) -> Self {
-        Self { problem, coarse: problem.model.thinned(COARSE), room, ascent: Self::ASCENT[0] }
+    pub(super) fn new(problem: &'a SearchProblem<'a>, room: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self { problem, coarse: problem.model.thinned(COARSE, cancel)?, room, ascent: Self::ASCENT[0] })
     }
 
     /// Free space for a preview, with half the clearance margin and fewer steps of ascent: polishing finds the rest.
-    pub(super) fn quick(problem: &'a SearchProblem<'a>, room: f64) -> Self {
-        Self { ascent: Self::ASCENT[1], ..Self::new(problem, 0.5 * room) }
+    pub(super) fn quick(problem: &'a SearchProblem<'a>, room: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(Self { ascent: Self::ASCENT[1], ..Self::new(problem, 0.5 * room, cancel)? })
     }
 
     /// Configuration of the final pose, which is given.

@@ -124,7 +124,7 @@ impl SearchProblem<'_> {
     ) -> Result<SearchOutcome, Cancelled> {
         let near = if known.len() > 1 {
             let poses: Vec<(f64, Pose)> = known.iter().map(|n| (n.s, n.pose)).collect();
-            FreeSpace::new(self, params.room_mm).warm_started(&poses, &task.cancel)?
+            FreeSpace::new(self, params.room_mm, &task.cancel)?.warm_started(&poses, &task.cancel)?
         } else {
             None
         };
@@ -154,7 +154,7 @@ impl SearchProblem<'_> {
         task: &Task,
     ) -> Result<PreviewPath, Cancelled> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
-        let space = FreeSpace::quick(self, params.room_mm);
+        let space = FreeSpace::quick(self, params.room_mm, &task.cancel)?;
         let found = Corridor::new(&space, EFFORT).explore(task)?;
         let reference_point = self.model.reference_point();
         let nodes = |path: &ExtractionPath| path.par_iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
@@ -193,7 +193,7 @@ impl SearchProblem<'_> {
         cancel: &Cancel,
     ) -> Result<Option<ExtractionPath>, Cancelled> {
         let poses: Vec<(f64, Pose)> = path.iter().map(|w| (w.s, w.pose)).collect();
-        FreeSpace::new(self, params.room_mm).warm_started(&poses, cancel)
+        FreeSpace::new(self, params.room_mm, cancel)?.warm_started(&poses, cancel)
     }
 
     /// Wide extraction path, or the dead end of all paths.
@@ -206,7 +206,7 @@ impl SearchProblem<'_> {
         let mut furthest: Option<DeadEnd> = None;
         for (i, share) in widenings.iter().enumerate() {
             // Only the first one is quick: what it does not find is narrow.
-            let space = if i == 0 { FreeSpace::quick } else { FreeSpace::new }(self, params.room_mm);
+            let space = if i == 0 { FreeSpace::quick } else { FreeSpace::new }(self, params.room_mm, &task.cancel)?;
             let poses = (share * params.poses as f64).round().max(2.0) as usize;
             let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
             match Corridor::new(&space, effort).explore(task)? {

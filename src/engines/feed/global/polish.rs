@@ -49,7 +49,7 @@ impl SearchProblem<'_> {
         let Some(smoother) = Smoother::new(&s, SPREAD) else { return Ok(nodes) };
         let mut path = self.with_demands(&nodes, params, cancel)?;
         let mut smooth: Vec<Pose> = Vec::new();
-        let coarse = self.model.thinned(COARSE);
+        let coarse = self.model.thinned(COARSE, cancel)?;
         for _ in 0..PROBLEMS {
             let spaces = self.spaces_about(&coarse, &nodes, &path, cancel)?;
             let (steps, bent) = least_bent(&smoother, &path, &spaces, self.free_axes());

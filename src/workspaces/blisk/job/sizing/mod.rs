@@ -449,7 +449,7 @@ impl Sizing<'_> {
         Ok(work(&Sizer {
             space,
             electrode: full.prepared.electrode(),
-            model: &full.prepared.model(space, settings.side_demand()),
+            model: &full.prepared.model(space, settings.side_demand(), &self.task.cancel)?,
             settings: &settings,
             tolerance: TOLERANCE_DEG.to_radians(),
             most: MOST_DEG.to_radians(),
