@@ -143,18 +143,6 @@ impl ExactMesh {
         found
     }
 
-    /// Whether the index of any triangle whose box meets `bounds` fulfils a condition.
-    pub fn any_meeting(&self, bounds: Bounds, fulfils: impl Fn(u32) -> bool) -> bool {
-        let wanted = Aabb::new(bounds.min, bounds.max);
-        let mut leaves = self.shape.bvh().leaves(|node: &BvhNode| node.aabb().intersects(&wanted));
-        match &self.rest {
-            None => leaves.any(fulfils),
-            Some(rest) => {
-                leaves.any(|i| fulfils(rest.ready[i as usize])) || rest.others(|b| b.intersects(&bounds)).any(fulfils)
-            }
-        }
-    }
-
     /// The triangles whose boxes meet `bounds`, as a mesh of their own.
     pub fn part_within(&self, bounds: Bounds) -> Mesh {
         let wanted = Aabb::new(bounds.min, bounds.max);

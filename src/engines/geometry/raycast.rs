@@ -15,7 +15,7 @@ const BLOCK: usize = 16;
 /// Steps of the grid along each side of the box by which triangles are put in order.
 const STEPS: f64 = 2_097_151.0;
 
-/// Triangles of a mesh made ready for rays, in some 16 bytes each. Unlike [`ExactMesh`](super::exact::ExactMesh) the mesh
+/// Triangles of a mesh made ready for rays and boxes, in some 16 bytes each. Unlike [`ExactMesh`](super::exact::ExactMesh) the mesh
 /// need be neither closed nor oriented, and is made ready in a fraction of the time.
 pub struct RayMesh {
     /// Triangles, neighbours next to one another.
@@ -61,6 +61,13 @@ impl RayMesh {
         let (block, distance) = self.blocks.cast_ray(&ray, reach, |block, best| Some(first(block, best)?.0))?;
         let (_, triangle) = first(block, distance)?;
         Some(RayHit { distance, triangle, normal: unit_normal(mesh.corners(triangle as usize)) })
+    }
+
+    /// Whether a triangle of `mesh`, the one that this was made of, whose box meets `bounds` fulfils a condition.
+    pub fn any_meeting(&self, mesh: &Mesh, bounds: Bounds, fulfils: impl Fn(u32) -> bool) -> bool {
+        let within = Aabb::new(bounds.min, bounds.max);
+        let meets = |triangle: &&u32| Bounds::of(mesh.corners(**triangle as usize)).intersects(&bounds);
+        self.blocks.intersect_aabb(&within).any(|block| self.block(block).iter().filter(meets).any(|t| fulfils(*t)))
     }
 
     fn block(&self, block: u32) -> &[u32] {
@@ -113,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_meets_the_triangle_that_is_nearest_of_all() {
+    fn rays_and_boxes_meet_the_triangles_that_a_look_at_each_finds() {
         use rand::{RngExt as _, SeedableRng as _};
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         let mut point = |far: f64| DVec3::from_array([(); 3].map(|()| random.random_range(-far..far)));
@@ -140,5 +147,17 @@ mod tests {
             met += usize::from(found.is_some());
         }
         assert!(met > 100, "{met}");
+        for _ in 0..50 {
+            let bounds = Bounds::of([point(1e3)]).grown(100.0);
+            let meets = |t: &usize| Bounds::of(mesh.corners(*t)).intersects(&bounds);
+            let asked = std::cell::RefCell::new(Vec::new());
+            rays.any_meeting(&mesh, bounds, |t| {
+                asked.borrow_mut().push(t as usize);
+                false
+            });
+            let mut asked = asked.into_inner();
+            asked.sort_unstable();
+            assert_eq!(asked, (0..500).filter(meets).collect::<Vec<_>>());
+        }
     }
 }

@@ -9,6 +9,7 @@ use geometry::exact::ExactMesh;
 use geometry::groups::Groups;
 use geometry::inside::winding_number;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
+use geometry::raycast::RayMesh;
 
 /// How far before a face it is asked whether there is material (mm), at least, and in errors of a vertex.
 const BEFORE: (f64, f64) = (1e-3, 4.0);
@@ -46,10 +47,10 @@ impl Contacts {
             vertices: mesh.iter_corners().flatten().collect(),
             triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         };
-        let Ok(exact) = ExactMesh::new(&soup()) else { return Self::default() };
-        let near = [near_others(mesh, before), films(mesh, &exact, before)].into_iter().flatten();
+        let near = [near_others(mesh, before), films(mesh, before)].into_iter().flatten();
         let near = near.reduce(|a, b| a.into_iter().zip(b).map(|(a, b)| a || b).collect());
         let Some(is_near) = near else { return Self::default() };
+        let Ok(exact) = ExactMesh::new(&soup()) else { return Self::default() };
         let mut touching = Touching { exact, before, is_near, covered: Vec::new() };
         let longest = mesh.bounds().size().max_element();
         let share = |face: usize| {
@@ -123,7 +124,8 @@ fn near_others(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
 /// Of each face whether another one within a distance (mm) lies along it and looks towards it, as on both sides of a film
 /// of air that joining two solids has left between them; none where there is no film. What is taken for near too often
 /// costs time alone: rays decide.
-fn films(mesh: &Mesh, exact: &ExactMesh, within: f64) -> Option<Vec<bool>> {
+fn films(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
+    let triangles = RayMesh::new(mesh).ok()?;
     let is_near = |face: usize| {
         let corners = mesh.corners(face);
         let own = unit_normal(corners);
@@ -136,7 +138,7 @@ fn films(mesh: &Mesh, exact: &ExactMesh, within: f64) -> Option<Vec<bool>> {
             };
             own.dot(normal) < 0.0 && own.cross(normal).length() < ALIKE && others.iter().any(is_along)
         };
-        exact.any_meeting(Bounds::of(corners).grown(within), faces)
+        triangles.any_meeting(mesh, Bounds::of(corners).grown(within), faces)
     };
     let are_near: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(is_near).collect();
     are_near.contains(&true).then_some(are_near)
