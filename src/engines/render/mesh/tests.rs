@@ -104,7 +104,7 @@ fn the_lighter_level_is_light_and_stays_on_the_surface() {
     let (full, lighter) = (mesh.full(), mesh.lighter());
     assert!(full.indices.len() > 3 * 240_000);
     assert!((10_000..60_000).contains(&(lighter.indices.len() / 3)), "{}", lighter.indices.len() / 3);
-    let cell = simplify::cell_size(mesh.source());
+    let cell = simplify::cell_size(mesh.source(), LARGE_TARGET);
     for t in lighter.indices.chunks(3) {
         let corners = t.iter().map(|&i| DVec3::from_array(lighter.vertices[i as usize].position.map(f64::from)));
         let corners: Vec<DVec3> = corners.collect();
