@@ -21,13 +21,13 @@ const CREASE: f64 = 0.866_025_403_784_438_6;
 /// Crease angle of the lighter mesh, which is rougher (rad).
 const LIGHTER_CREASE: f64 = 0.7;
 /// Number of triangles from which on there is a lighter mesh, and from which on it is drawn whenever the view moves.
-const LIGHTER_FROM: usize = 24;
+const LIGHTER_FROM: usize = 300;
 const LARGE_FROM: usize = 60_000;
-/// Triangles of the lighter version of a large mesh, about; by how much a smaller one's has fewer.
+/// Triangles of the lighter version of a large mesh, about.
 const LARGE_TARGET: f64 = 30_000.0;
-const FEWER: f64 = 16.0;
-/// Triangles of any lighter version, about, at least.
-const LEAST_TARGET: f64 = 12.0;
+/// By how much fewer triangles are asked of the lighter version of a smaller mesh. About a tenth are left, since sides that
+/// face differently stay apart.
+const FEWER: f64 = 48.0;
 /// Share of its surface that a small mesh keeps in its lighter version, at least: of a narrow strip nothing may be left.
 const LEAST_AREA: f64 = 0.6;
 
@@ -129,7 +129,7 @@ impl RenderMesh {
         self.triangle_count() >= LARGE_FROM
     }
 
-    /// A version to be drawn while the view moves: some ten thousand triangles of a large mesh, about a sixteenth of the
+    /// A version to be drawn while the view moves: some ten thousand triangles of a large mesh, about a tenth of the
     /// triangles of a smaller one; the mesh in full if that has few.
     pub fn lighter(&self) -> &Level {
         self.lighter.as_ref().unwrap_or(&self.full)
@@ -193,7 +193,7 @@ fn lighter_level(source: &Mesh, fans: &Fans, normals: &[DVec3], origin: DVec3) -
         return None;
     }
     let is_large = count >= LARGE_FROM;
-    let target = if is_large { LARGE_TARGET } else { (count as f64 / FEWER).max(LEAST_TARGET) };
+    let target = if is_large { LARGE_TARGET } else { count as f64 / FEWER };
     let lighter = simplify::lighter(source, fans, normals, target);
     if !is_large && (2 * lighter.mesh.triangles.len() > count || lighter.mesh.area() < LEAST_AREA * source.area()) {
         return None;

@@ -123,6 +123,20 @@ fn the_lighter_level_is_light_and_stays_on_the_surface() {
 }
 
 #[test]
+fn a_smaller_mesh_has_a_lighter_level_unless_its_surface_would_be_lost() {
+    let ball = RenderMesh::new(&sphere(5.0, 14, DVec3::ZERO));
+    assert!(!ball.is_large());
+    assert!((30..ball.triangle_count() / 4).contains(&(ball.lighter().indices.len() / 3)));
+    // A strip a hundred times as long as it is wide: its two sides would fall into one.
+    let strip = Mesh {
+        vertices: (0..402).map(|i| DVec3::new(f64::from(i / 2), f64::from(i % 2) * 2.0, 0.0)).collect(),
+        triangles: (0..400).map(|i| if i % 2 == 0 { [i, i + 2, i + 1] } else { [i, i + 1, i + 2] }).collect(),
+    };
+    let strip = RenderMesh::new(&strip);
+    assert!(std::ptr::eq(strip.lighter(), strip.full()));
+}
+
+#[test]
 fn preparing_twice_gives_the_same_and_other_names() {
     let source = sphere(3.0, 40, DVec3::ONE);
     let (a, b) = (RenderMesh::new(&source), RenderMesh::new(&source));

@@ -20,9 +20,9 @@ const MANY: usize = 256;
 /// Triangles that an object drawn with others has, at most.
 const SMALL: usize = 4096;
 /// Places in the scene's list from which a batch takes its objects: little is made anew when one of them changes.
-const PLACES: usize = 128;
-/// Pictures in motion after which an unused batch is let go.
-const PATIENCE: u64 = 30;
+const PLACES: usize = 256;
+/// Pictures in motion after which an unused batch is let go. An object that moves makes one for each picture.
+const PATIENCE: u64 = 10;
 
 /// A vertex as the GPU reads it, from the batch's origin. The fourth component of its normal is its object's number of
 /// depth steps, the fourth of its colour (linear light) the share of the accent colour.
@@ -77,9 +77,15 @@ impl Together {
 }
 
 impl Batches {
-    /// The batches of a picture. There are none where objects have edges or cut faces, nor where they are few.
+    /// The batches of a picture. There are none at rest, where objects have edges, nor in a section, where they
+    /// have cut faces, nor where they are few.
     pub fn gather(&mut self, device: &wgpu::Device, scene: &Scene, plan: &Plan) -> Together {
-        if !plan.light || scene.section.is_some() {
+        if !plan.light {
+            return Together::default();
+        }
+        self.picture += 1;
+        self.made.retain(|_, (_, used)| *used + PATIENCE > self.picture);
+        if scene.section.is_some() {
             return Together::default();
         }
         let batched: Vec<bool> = scene.objects.iter().map(|o| can_be_batched(o, plan)).collect();
@@ -105,8 +111,6 @@ impl Batches {
                 batch
             }));
         }
-        self.made.retain(|_, (_, used)| *used + PATIENCE > self.picture);
-        self.picture += 1;
         Together { batches, batched }
     }
 }
