@@ -18,13 +18,13 @@ fn boxes() -> Scene {
     };
     let placed = |i: u32| {
         let at = DVec3::new(f64::from(i % 25) * 10.0, 0.0, f64::from(i / 25) * 10.0);
-        let size = DVec3::new(1.0, 1.0 + f64::from(i % 2), if i % 3 == 0 { -1.0 } else { 1.0 });
+        let size = DVec3::new(1.0, 1.0 + f64::from(i % 2), if i.is_multiple_of(3) { -1.0 } else { 1.0 });
         DAffine3::from_scale_rotation_translation(size, DQuat::from_rotation_y(f64::from(i % 7)), at)
     };
     let colour = |i: u32| Colour::rgb((i * 7 % 256) as u8, (i * 31 % 256) as u8, (i * 3 % 256) as u8);
     let object = |i: u32| Object {
         edges: false,
-        selected: i % 11 == 0,
+        selected: i.is_multiple_of(11),
         ..Object::new(ObjectId(i), wedge.clone(), colour(i)).at(placed(i))
     };
     scene((0..375).map(object).collect())
