@@ -43,6 +43,31 @@ fn scene(mesh: Arc<RenderMesh>) -> (Scene, Camera) {
     (scene, camera)
 }
 
+/// A plate of squares of `pitch`, `n * n` of them, each with the surface that `mesh` gives on it.
+fn plate(n: usize, pitch: f64, edges: bool, mesh: &Mesh) -> (Scene, Camera) {
+    let side = pitch * n as f64;
+    let (mut scene, _) = scene(Arc::new(RenderMesh::new(&Mesh::cuboid(DVec3::new(side, side, 10.0)))));
+    for i in 0..n * n {
+        let middle = DVec3::new(pitch * ((i % n) as f64 + 0.5), pitch * ((i / n) as f64 + 0.5), 30.0);
+        let colour = Colour::rgb((i % 256) as u8, (i / 256 % 256) as u8, 90);
+        let placed = Arc::new(RenderMesh::new(&mesh.mapped(|p| middle + p)));
+        scene.objects.push(Object { edges, ..Object::new(ObjectId(1 + i as u32), placed, colour) });
+    }
+    let mut camera = Camera::default();
+    camera.fit(&scene.bounds(), f64::from(SIZE[0]) / f64::from(SIZE[1]));
+    (scene, camera)
+}
+
+/// A waved square of 32 triangles.
+fn patch() -> Mesh {
+    let point = |k: usize| DVec3::new(36.0 * (k / 5) as f64 - 72.0, 36.0 * (k % 5) as f64 - 72.0, (k / 5 % 2) as f64);
+    let quads = (0..4).flat_map(|i| (0..4).map(move |j| [0, 5, 6, 1].map(|v| 5 * i + j + v)));
+    Mesh {
+        vertices: (0..25).map(point).collect(),
+        triangles: quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    }
+}
+
 fn render(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("render");
     group.sample_size(10);
@@ -67,6 +92,10 @@ fn render(criterion: &mut Criterion) {
     frames("frame in motion, 200k triangles", &small, camera, Quality::Moving);
     let (million, wide) = scene(Arc::new(RenderMesh::new(&large)));
     frames("frame in motion, 1M triangles", &million, wide, Quality::Moving);
+    let (many, wide) = plate(100, 200.0, false, &patch());
+    frames("frame in motion, 10,000 regions of a mold", &many, wide, Quality::Moving);
+    let (many, wide) = plate(32, 200.0, true, &wavy_ring(24));
+    frames("frame in motion, 1,000 electrodes", &many, wide, Quality::Moving);
     group.bench_function("pick", |b| b.iter(|| pick(&small, &camera, DVec2::new(500.0, 500.0), SIZE)));
     group.finish();
 }

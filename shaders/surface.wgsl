@@ -34,6 +34,26 @@ fn vs_valued(
     return surface(position, normal.xyz, select(vec2(0.0), vec2(t, 1.0), valid));
 }
 
+// A vertex of some objects drawn together.
+struct Batch {
+    @invariant @builtin(position) clip: vec4<f32>,
+    @location(0) view: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    // Linear light, and share of the accent colour.
+    @location(2) @interpolate(flat, either) colour: vec4<f32>,
+}
+
+@vertex
+fn vs_batch(
+    @location(0) position: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) colour: vec4<f32>
+) -> Batch {
+    let view = object.model_view * vec4(position, 1.0);
+    var clip = frame.projection * view;
+    // The fourth component is a number of depth steps.
+    clip.z -= object.values.z * round(normal.w * 32767.0) * clip.w;
+    return Batch(clip, view.xyz, (object.normal_view * vec4(normal.xyz, 0.0)).xyz, colour);
+}
+
 // Light from a hemisphere, a key light over the viewer's left shoulder, and weak ones from the right and from the
 // viewer.
 fn lit(base: vec3<f32>, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
@@ -47,21 +67,18 @@ fn lit(base: vec3<f32>, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return base * (ambient + vec3(1.0, 0.985, 0.96) * diffuse) + shine + rim;
 }
 
-@fragment
-fn fs(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    if SECTION {
-        if is_cut_away(in.view) { discard; }
-    }
+// What is seen of a surface; `colour` and `look` are those of its object.
+fn seen(in: Surface, front: bool, colour_and_opacity: vec4<f32>, look: vec4<f32>) -> vec4<f32> {
     let v = towards_viewer(in.view);
-    let outside = front == (object.look.z > 0.0);
+    let outside = front == (look.z > 0.0);
     let n = normalize(in.normal) * select(-1.0, 1.0, outside);
-    var base = object.colour.rgb;
+    var base = colour_and_opacity.rgb;
     let is_valued = in.value.y > 0.999;
     if is_valued {
         let column = i32(clamp(in.value.x, 0.0, 1.0) * 255.0 + 0.5);
-        base = decoded(textureLoad(colour_maps, vec2(column, i32(object.look.y)), 0).rgb);
+        base = decoded(textureLoad(colour_maps, vec2(column, i32(look.y)), 0).rgb);
     }
-    base = mix(base, decoded(frame.accent.rgb), object.look.x);
+    base = mix(base, decoded(frame.accent.rgb), look.x);
     var colour = lit(base, n, v);
     // Colours that mean a value are kept nearer to the legend's.
     if is_valued { colour = mix(colour, base * (0.55 + 0.45 * clamp(dot(n, v), 0.0, 1.0)), 0.65); }
@@ -70,9 +87,23 @@ fn fs(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32>
     let screen = faded(encoded(colour), in.view, in.clip.xy);
     if TRANSLUCENT {
         let grazing = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
-        return vec4(screen, mix(object.colour.a, 1.0, 0.45 * grazing * sqrt(object.colour.a)));
+        return vec4(screen, mix(colour_and_opacity.a, 1.0, 0.45 * grazing * sqrt(colour_and_opacity.a)));
     }
     return vec4(screen, 1.0);
+}
+
+@fragment
+fn fs(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if SECTION {
+        if is_cut_away(in.view) { discard; }
+    }
+    return seen(in, front, object.colour, object.look);
+}
+
+@fragment
+fn fs_batch(in: Batch, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let surface = Surface(in.clip, in.view, in.normal, vec2(0.0));
+    return seen(surface, front, in.colour, vec4(in.colour.a, 0.0, 1.0, 0.0));
 }
 
 // Only depth: so that of a translucent object its nearest surface alone is seen.

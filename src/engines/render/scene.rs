@@ -122,11 +122,24 @@ impl Scene {
     /// The box around the objects that can be seen, before any section, and around lines and markers; empty
     /// ([`Bounds::EMPTY`]) if there is nothing.
     pub fn bounds(&self) -> Bounds {
-        let objects = self.objects.iter().filter(|o| o.is_visible()).map(Object::bounds);
-        let lines = self.lines.iter().flat_map(|l| l.polylines.iter().flatten().copied());
-        let points = lines.chain(self.markers.iter().map(|m| m.at)).filter(|p| p.is_finite());
-        objects.fold(Bounds::of(points), |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) })
+        union(self.bounds_of_points(), self.bounds_of_objects())
     }
+
+    /// The box around lines and markers.
+    pub(super) fn bounds_of_points(&self) -> Bounds {
+        let lines = self.lines.iter().flat_map(|l| l.polylines.iter().flatten().copied());
+        Bounds::of(lines.chain(self.markers.iter().map(|m| m.at)).filter(|p| p.is_finite()))
+    }
+
+    /// The box around the objects that can be seen, before any section.
+    pub(super) fn bounds_of_objects(&self) -> Bounds {
+        self.objects.iter().filter(|o| o.is_visible()).map(Object::bounds).fold(Bounds::EMPTY, union)
+    }
+}
+
+/// The box around two boxes.
+pub(super) fn union(a: Bounds, b: Bounds) -> Bounds {
+    Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }
 }
 
 impl Object {
@@ -164,11 +177,16 @@ impl Object {
         self.opacity >= 1.0
     }
 
+    /// Share of the accent colour in its own.
+    pub(super) fn accent(&self) -> f32 {
+        if self.selected { 0.42 } else { 0.0 }
+    }
+
     /// A box around it in the scene's frame, not always the smallest.
     pub fn bounds(&self) -> Bounds {
         let Bounds { min, max } = self.mesh.bounds();
-        if self.mesh.is_empty() {
-            return Bounds::EMPTY;
+        if self.mesh.is_empty() || self.transform == DAffine3::IDENTITY {
+            return self.mesh.bounds();
         }
         Bounds::of((0..8).map(|i| {
             let corner = DVec3::new(

@@ -232,7 +232,8 @@ impl Camera {
 
     /// Depths (mm) of the nearest and the furthest corner of `bounds`.
     pub fn depth_extent(&self, bounds: &Bounds) -> [f64; 2] {
-        let depths = bounds.corners().map(|c| -self.to_view(c).z);
+        let rotation = self.view_rotation();
+        let depths = bounds.corners().map(|c| -((rotation * (c - self.target)).z - self.distance));
         depths.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| [a.min(d), b.max(d)])
     }
 

@@ -20,8 +20,16 @@ use shading::{Shaded, shade};
 const CREASE: f64 = 0.866_025_403_784_438_6;
 /// Crease angle of the lighter mesh, which is rougher (rad).
 const LIGHTER_CREASE: f64 = 0.7;
-/// Number of triangles from which on there is a lighter mesh.
-const LIGHTER_FROM: usize = 60_000;
+/// Number of triangles from which on there is a lighter mesh, and from which on it is drawn whenever the view moves.
+const LIGHTER_FROM: usize = 300;
+const LARGE_FROM: usize = 60_000;
+/// Triangles of the lighter version of a large mesh, about.
+const LARGE_TARGET: f64 = 30_000.0;
+/// By how much fewer triangles are asked of the lighter version of a smaller mesh. About a tenth are left, since sides that
+/// face differently stay apart.
+const FEWER: f64 = 48.0;
+/// Share of its surface that a small mesh keeps in its lighter version, at least: of a narrow strip nothing may be left.
+const LEAST_AREA: f64 = 0.6;
 
 /// A mesh with all that drawing and picking need. Make it once for each mesh, on a worker thread (a second or
 /// so for a million triangles), and share it.
@@ -116,8 +124,13 @@ impl RenderMesh {
         &self.full
     }
 
-    /// A version of some ten thousand triangles to be drawn while the view moves; the mesh in full if that is
-    /// small.
+    /// Whether it has many triangles by itself, and is drawn in its lighter version whenever the view moves.
+    pub fn is_large(&self) -> bool {
+        self.triangle_count() >= LARGE_FROM
+    }
+
+    /// A version to be drawn while the view moves: some ten thousand triangles of a large mesh, about a tenth of the
+    /// triangles of a smaller one; the mesh in full if that has few.
     pub fn lighter(&self) -> &Level {
         self.lighter.as_ref().unwrap_or(&self.full)
     }
@@ -149,8 +162,7 @@ fn levels(source: &Mesh, origin: DVec3, is_handled: bool) -> Levels {
     let ends = |e: &[u32; 2]| e.map(|v| (source.vertices[v as usize] - origin).as_vec3().to_array());
     let shaded = shade(source, &fans, &normals, origin, CREASE);
     let full = Level { edges: edges.features.iter().map(ends).collect(), ..Level::from(shaded) };
-    let is_large = is_handled && source.triangles.len() >= LIGHTER_FROM;
-    let lighter = is_large.then(|| lighter_level(source, &fans, &normals, origin));
+    let lighter = is_handled.then(|| lighter_level(source, &fans, &normals, origin)).flatten();
     Levels { full, lighter, closed: edges.closed }
 }
 
@@ -174,13 +186,23 @@ fn normal(mesh: &Mesh, triangle: &[u32; 3]) -> DVec3 {
     unit_normal(triangle.map(|v| mesh.vertices[v as usize]))
 }
 
-fn lighter_level(source: &Mesh, fans: &Fans, normals: &[DVec3], origin: DVec3) -> Level {
-    let lighter = simplify::lighter(source, fans, normals);
+/// The lighter version; `None` where it would be no lighter or much of the surface would be missing.
+fn lighter_level(source: &Mesh, fans: &Fans, normals: &[DVec3], origin: DVec3) -> Option<Level> {
+    let count = source.triangles.len();
+    if count < LIGHTER_FROM {
+        return None;
+    }
+    let is_large = count >= LARGE_FROM;
+    let target = if is_large { LARGE_TARGET } else { count as f64 / FEWER };
+    let lighter = simplify::lighter(source, fans, normals, target);
+    if !is_large && (2 * lighter.mesh.triangles.len() > count || lighter.mesh.area() < LEAST_AREA * source.area()) {
+        return None;
+    }
     let normals: Vec<DVec3> = lighter.mesh.triangles.par_iter().map(|t| normal(&lighter.mesh, t)).collect();
     let fans = Fans::new(lighter.mesh.vertices.len(), &lighter.mesh.triangles);
     let mut level = Level::from(shade(&lighter.mesh, &fans, &normals, origin, LIGHTER_CREASE));
     level.sources.iter_mut().for_each(|v| *v = lighter.sources[*v as usize]);
-    level
+    Some(level)
 }
 
 #[cfg(test)]

@@ -6,9 +6,6 @@ use rayon::prelude::*;
 use super::fans::Fans;
 use geometry::mesh::Mesh;
 
-/// Triangles of a lighter mesh, about.
-const TARGET: f64 = 30_000.0;
-
 /// A lighter mesh and where its vertices come from.
 pub struct Lighter {
     /// The mesh; its vertices are some of the original's.
@@ -20,10 +17,10 @@ pub struct Lighter {
 /// Merges the vertices in each cell of a grid that face the same way into the one nearest their mean (vertex
 /// clustering; J. Rossignac and P. Borrel, Multi-resolution 3D approximations for rendering complex scenes,
 /// 1993). No point of the lighter mesh is further from a vertex of the original than a cell's diagonal, and
-/// the two sides of a thin wall stay apart.
-pub fn lighter(mesh: &Mesh, fans: &Fans, normals: &[DVec3]) -> Lighter {
+/// the two sides of a thin wall stay apart. It has about `target` triangles.
+pub fn lighter(mesh: &Mesh, fans: &Fans, normals: &[DVec3], target: f64) -> Lighter {
     let bounds = mesh.bounds();
-    let cell = cell_size(mesh);
+    let cell = cell_size(mesh, target);
     let mut keys: Vec<(u64, u32)> = (0..mesh.vertices.len() as u32)
         .into_par_iter()
         .filter(|&v| !fans.of(v as usize).is_empty())
@@ -49,10 +46,10 @@ pub fn lighter(mesh: &Mesh, fans: &Fans, normals: &[DVec3]) -> Lighter {
     Lighter { mesh: Mesh { vertices, triangles }, sources }
 }
 
-/// Edge of the cells (mm).
-pub fn cell_size(mesh: &Mesh) -> f64 {
+/// Edge of the cells (mm) that leave about `target` triangles.
+pub fn cell_size(mesh: &Mesh, target: f64) -> f64 {
     // A surface of area A meets about 1.5 A / cell^2 cells, and has two triangles to a vertex.
-    let by_area = (3.0 * mesh.area() / TARGET).sqrt();
+    let by_area = (3.0 * mesh.area() / target).sqrt();
     let by_box = mesh.bounds().size().max_element() / 1e6;
     by_area.max(by_box).max(f64::MIN_POSITIVE)
 }

@@ -104,7 +104,7 @@ fn the_lighter_level_is_light_and_stays_on_the_surface() {
     let (full, lighter) = (mesh.full(), mesh.lighter());
     assert!(full.indices.len() > 3 * 240_000);
     assert!((10_000..60_000).contains(&(lighter.indices.len() / 3)), "{}", lighter.indices.len() / 3);
-    let cell = simplify::cell_size(mesh.source());
+    let cell = simplify::cell_size(mesh.source(), LARGE_TARGET);
     for t in lighter.indices.chunks(3) {
         let corners = t.iter().map(|&i| DVec3::from_array(lighter.vertices[i as usize].position.map(f64::from)));
         let corners: Vec<DVec3> = corners.collect();
@@ -120,6 +120,20 @@ fn the_lighter_level_is_light_and_stays_on_the_surface() {
     }
     let small = RenderMesh::new(&Mesh::cuboid(DVec3::ONE));
     assert!(std::ptr::eq(small.lighter(), small.full()));
+}
+
+#[test]
+fn a_smaller_mesh_has_a_lighter_level_unless_its_surface_would_be_lost() {
+    let ball = RenderMesh::new(&sphere(5.0, 14, DVec3::ZERO));
+    assert!(!ball.is_large());
+    assert!((30..ball.triangle_count() / 4).contains(&(ball.lighter().indices.len() / 3)));
+    // A strip a hundred times as long as it is wide: its two sides would fall into one.
+    let strip = Mesh {
+        vertices: (0..402).map(|i| DVec3::new(f64::from(i / 2), f64::from(i % 2) * 2.0, 0.0)).collect(),
+        triangles: (0..400).map(|i| if i % 2 == 0 { [i, i + 2, i + 1] } else { [i, i + 1, i + 2] }).collect(),
+    };
+    let strip = RenderMesh::new(&strip);
+    assert!(std::ptr::eq(strip.lighter(), strip.full()));
 }
 
 #[test]

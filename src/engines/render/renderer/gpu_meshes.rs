@@ -102,7 +102,8 @@ impl GpuMeshes {
     }
 }
 
-fn level(mesh: &RenderMesh, detail: Detail) -> &Level {
+/// A version of a mesh.
+pub fn level(mesh: &RenderMesh, detail: Detail) -> &Level {
     match detail {
         Detail::Full => mesh.full(),
         Detail::Lighter => mesh.lighter(),

@@ -1,5 +1,6 @@
 //! Draws a scene into a texture.
 
+mod batches;
 mod gpu_meshes;
 mod passes;
 mod pipelines;
@@ -10,8 +11,9 @@ mod uniforms;
 
 use super::camera::Camera;
 use super::colour_map::{ColourMap, TABLE_SIZE};
-use super::scene::Scene;
+use super::scene::{Object, Scene};
 use super::section::CutCache;
+use batches::Batches;
 use gpu_meshes::{Detail, GpuMeshes};
 use pipelines::Pipelines;
 use prepare::{Prepared, flat_frame, prepare};
@@ -24,6 +26,9 @@ pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const SAMPLES: u32 = 4;
 /// Pixels of a picture while the view moves on a software adapter, at most.
 const MOVING_PIXELS: f64 = 500_000.0;
+
+/// Triangles of a picture while the view moves above which small meshes are drawn in their lighter versions as well.
+const MANY_TRIANGLES: usize = 200_000;
 
 /// Quality of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -42,6 +47,7 @@ pub struct Renderer {
     pipelines: Pipelines,
     targets: Targets,
     meshes: GpuMeshes,
+    batches: Batches,
     cuts: CutCache,
     colour_maps: wgpu::TextureView,
     frames: GrowingBuffer,
@@ -60,8 +66,17 @@ struct Plan {
     /// Pixels drawn for a pixel asked for.
     scale: f64,
     samples: u32,
-    detail: Detail,
-    edges: bool,
+    /// Whether lighter meshes are drawn, without edges.
+    light: bool,
+    /// Whether lighter ones are drawn of small meshes too.
+    is_crowded: bool,
+}
+
+impl Plan {
+    fn detail(&self, object: &Object) -> Detail {
+        let is_light = self.is_crowded || self.light && object.mesh.is_large();
+        if is_light { Detail::Lighter } else { Detail::Full }
+    }
 }
 
 impl Renderer {
@@ -76,6 +91,7 @@ impl Renderer {
             pipelines: Pipelines::new(device),
             targets: Targets::default(),
             meshes: GpuMeshes::default(),
+            batches: Batches::default(),
             cuts: CutCache::default(),
             colour_maps: colour_maps(device, queue),
             frames: uniform(),
@@ -103,10 +119,11 @@ impl Renderer {
         size: [u32; 2],
         quality: Quality,
     ) -> wgpu::TextureView {
-        let plan = self.plan(device, size, quality);
         let (nothing, default) = (Scene { theme: scene.theme, ..Scene::default() }, Camera::default());
         let (scene, camera) = if camera.is_valid() { (scene, camera) } else { (&nothing, &default) };
-        let prepared = prepare(scene, camera, plan.size, plan.scale, &mut self.cuts);
+        let plan = self.plan(device, scene, size, quality);
+        let together = self.batches.gather(device, scene, &plan);
+        let prepared = prepare(scene, camera, plan.size, plan.scale, &mut self.cuts, &together);
         self.write(device, queue, &prepared, plan.size);
         let picture = self.targets.select(device, plan.size, plan.samples).picture.clone();
         let commands = self.draw(device, scene, &prepared, &plan);
@@ -130,7 +147,7 @@ impl Renderer {
         device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    fn plan(&self, device: &wgpu::Device, size: [u32; 2], quality: Quality) -> Plan {
+    fn plan(&self, device: &wgpu::Device, scene: &Scene, size: [u32; 2], quality: Quality) -> Plan {
         let asked = size.map(|s| f64::from(s.max(1)));
         let most = f64::from(device.limits().max_texture_dimension_2d);
         let light = quality == Quality::Moving && self.is_software;
@@ -142,8 +159,8 @@ impl Renderer {
             size: asked.map(|s| (s * scale).round().clamp(1.0, most) as u32),
             scale,
             samples: if light { 1 } else { SAMPLES },
-            detail: if light { Detail::Lighter } else { Detail::Full },
-            edges: !light,
+            light,
+            is_crowded: light && triangles(scene) > MANY_TRIANGLES,
         }
     }
 
@@ -151,13 +168,21 @@ impl Renderer {
         let frames = [prepared.frame, flat_frame(&prepared.frame, size)];
         self.frames.write(device, queue, &spaced(frames, self.stride));
         let objects = prepared.objects.iter().map(|o| o.uniform);
-        // At least one, so that there is something to bind.
-        let objects = objects.chain(prepared.objects.is_empty().then(bytemuck::Zeroable::zeroed));
+        let objects = objects.chain(prepared.batches.iter().map(|b| b.uniform));
+        // And one more, so that there is something to bind.
+        let objects = objects.chain([bytemuck::Zeroable::zeroed()]);
         self.objects.write(device, queue, &spaced(objects, self.stride));
         self.segments.write(device, queue, bytemuck::cast_slice(&prepared.segments));
         self.dots.write(device, queue, bytemuck::cast_slice(&prepared.dots));
         self.planes.write(device, queue, bytemuck::cast_slice(&prepared.planes));
     }
+}
+
+/// Triangles that are drawn of a scene while the view moves if small meshes are drawn in full.
+fn triangles(scene: &Scene) -> usize {
+    let visible = scene.objects.iter().filter(|o| o.is_visible());
+    let levels = visible.map(|o| if o.mesh.is_large() { o.mesh.lighter() } else { o.mesh.full() });
+    levels.map(|level| level.indices.len() / 3).sum()
 }
 
 /// A texture with one row for each colour map.

@@ -4,16 +4,17 @@ use std::ops::Range;
 
 use super::gpu_meshes::Detail;
 use super::pipelines::{Key, Kind};
-use super::prepare::{Prepared, PreparedObject};
+use super::prepare::{Prepared, PreparedBatch, PreparedObject};
 use super::uniforms::{FrameUniform, ObjectUniform};
 use super::{Plan, Renderer};
 use crate::scene::{Object, Scene};
 
-const KINDS: [Kind; 15] = [
+const KINDS: [Kind; 16] = [
     Kind::Background,
     Kind::Surface,
     Kind::SurfaceDepth,
     Kind::SurfaceBlended,
+    Kind::Batch,
     Kind::Edges,
     Kind::CapCount,
     Kind::CapFill,
@@ -38,6 +39,8 @@ struct Pass<'a> {
     details: &'a [Option<Detail>],
     frame: wgpu::BindGroup,
     object: wgpu::BindGroup,
+    /// Pipeline that is set: setting it again would cost as much as another draw.
+    pipeline: Option<Key>,
 }
 
 impl Renderer {
@@ -49,7 +52,9 @@ impl Renderer {
         prepared: &Prepared,
         plan: &Plan,
     ) -> wgpu::CommandBuffer {
-        let upload = |o: &PreparedObject| self.meshes.upload(device, &scene.objects[o.index], plan.detail);
+        let upload = |o: &PreparedObject| {
+            self.meshes.upload(device, &scene.objects[o.index], plan.detail(&scene.objects[o.index]))
+        };
         let details: Vec<Option<Detail>> = prepared.objects.iter().map(upload).collect();
         self.make_pipelines(device, prepared, plan);
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -61,7 +66,8 @@ impl Renderer {
             };
             let pass = begin(&mut encoder, view, resolve_target, &buffers.depth);
             let [frame, object] = self.bind_groups(device);
-            Pass { renderer: self, pass, scene, prepared, plan, details: &details, frame, object }.all();
+            Pass { renderer: self, pass, scene, prepared, plan, details: &details, frame, object, pipeline: None }
+                .all();
         }
         encoder.finish()
     }
@@ -127,6 +133,7 @@ impl Pass<'_> {
         if self.select(Kind::Background, false) {
             self.pass.draw(0..3, 0..1);
         }
+        self.batches();
         let opaque = 0..self.prepared.opaque;
         for i in opaque.clone() {
             self.surface(Kind::Surface, i);
@@ -169,9 +176,11 @@ impl Pass<'_> {
     }
 
     fn select(&mut self, kind: Kind, valued: bool) -> bool {
-        let key = Key { kind, section: self.prepared.section, valued, samples: self.plan.samples };
-        let Some(pipeline) = self.renderer.pipelines.get(normalised(key)) else { return false };
-        self.pass.set_pipeline(pipeline);
+        let key = normalised(Key { kind, section: self.prepared.section, valued, samples: self.plan.samples });
+        let Some(pipeline) = self.renderer.pipelines.get(key) else { return false };
+        if self.pipeline.replace(key) != Some(key) {
+            self.pass.set_pipeline(pipeline);
+        }
         true
     }
 
@@ -181,6 +190,18 @@ impl Pass<'_> {
 
     fn object(&self, i: usize) -> &Object {
         &self.scene.objects[self.prepared.objects[i].index]
+    }
+
+    fn batches(&mut self) {
+        for (i, PreparedBatch { batch, .. }) in self.prepared.batches.iter().enumerate() {
+            if self.select(Kind::Batch, false) {
+                // Their uniforms come after those of the objects.
+                self.bind_object(self.prepared.objects.len() + i);
+                self.pass.set_vertex_buffer(0, batch.vertices.slice(..));
+                self.pass.set_index_buffer(batch.indices.slice(..), wgpu::IndexFormat::Uint32);
+                self.pass.draw_indexed(0..batch.index_count, 0, 0..1);
+            }
+        }
     }
 
     fn surface(&mut self, kind: Kind, i: usize) {
@@ -202,7 +223,7 @@ impl Pass<'_> {
     }
 
     fn edges(&mut self, i: usize) {
-        let wanted = self.plan.edges && (self.object(i).edges || self.object(i).selected);
+        let wanted = !self.plan.light && (self.object(i).edges || self.object(i).selected);
         let Some(detail) = self.details[i].filter(|_| wanted) else { return };
         let Some(mesh) = self.renderer.meshes.mesh(self.object(i), detail) else { return };
         let Some(edges) = &mesh.edges else { return };

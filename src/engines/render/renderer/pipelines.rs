@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::mem::size_of;
 
 use super::FORMAT;
+use super::batches::BatchVertex;
 use super::uniforms::{DotInstance, FrameUniform, ObjectUniform, PlaneVertex, SegmentInstance};
 use crate::mesh::Vertex;
 
@@ -20,6 +21,8 @@ pub enum Kind {
     SurfaceDepth,
     /// Blended where their depth has been drawn before.
     SurfaceBlended,
+    /// Opaque surfaces of some objects.
+    Batch,
     Edges,
     /// Counts the windings of a section's outline.
     CapCount,
@@ -151,7 +154,7 @@ impl Pipelines {
         };
         let strip = !matches!(
             key.kind,
-            Kind::Background | Kind::Surface | Kind::SurfaceDepth | Kind::SurfaceBlended | Kind::CapCount
+            Kind::Background | Kind::Surface | Kind::SurfaceDepth | Kind::SurfaceBlended | Kind::Batch | Kind::CapCount
         );
         let topology =
             if strip { wgpu::PrimitiveTopology::TriangleStrip } else { wgpu::PrimitiveTopology::TriangleList };
@@ -185,6 +188,7 @@ impl Pipelines {
             Kind::Background => (&m.background, "vs", "fs", true, false),
             Kind::Surface | Kind::SurfaceBlended => (&m.surface, surface, "fs", true, true),
             Kind::SurfaceDepth => (&m.surface, surface, "fs_depth", false, true),
+            Kind::Batch => (&m.surface, "vs_batch", "fs_batch", true, true),
             Kind::Edges => (&m.edges, "vs", "fs", true, true),
             Kind::CapCount => (&m.cap, "vs", "fs_count", false, true),
             Kind::CapFill => (&m.cap, "vs", "fs", true, true),
@@ -221,7 +225,10 @@ const BLEND: wgpu::BlendState = wgpu::BlendState {
 };
 
 fn blends(kind: Kind) -> bool {
-    !matches!(kind, Kind::Background | Kind::Surface | Kind::SurfaceDepth | Kind::CapCount | Kind::LinesDepth)
+    !matches!(
+        kind,
+        Kind::Background | Kind::Surface | Kind::SurfaceDepth | Kind::Batch | Kind::CapCount | Kind::LinesDepth
+    )
 }
 
 fn constants(key: Key) -> Vec<(&'static str, f64)> {
@@ -233,7 +240,7 @@ fn constants(key: Key) -> Vec<(&'static str, f64)> {
         Kind::Edges => vec![("SECTION", flag(key.section))],
         Kind::Lines | Kind::LinesDepth | Kind::LinesFlat | Kind::Dots | Kind::DotsFlat => vec![("FAINT", 0.0)],
         Kind::LinesBehind | Kind::DotsBehind => vec![("FAINT", 1.0)],
-        Kind::Background | Kind::CapCount | Kind::CapFill | Kind::Grid => Vec::new(),
+        Kind::Background | Kind::Batch | Kind::CapCount | Kind::CapFill | Kind::Grid => Vec::new(),
     }
 }
 
@@ -241,7 +248,7 @@ fn depth_stencil(kind: Kind) -> wgpu::DepthStencilState {
     use wgpu::CompareFunction::{Always, Greater, LessEqual};
     let (write, compare) = match kind {
         Kind::Background | Kind::CapCount | Kind::LinesFlat | Kind::DotsFlat => (false, Always),
-        Kind::Surface | Kind::SurfaceDepth | Kind::CapFill | Kind::LinesDepth => (true, LessEqual),
+        Kind::Surface | Kind::SurfaceDepth | Kind::Batch | Kind::CapFill | Kind::LinesDepth => (true, LessEqual),
         Kind::SurfaceBlended | Kind::Edges | Kind::Grid | Kind::Lines | Kind::Dots => (false, LessEqual),
         Kind::LinesBehind | Kind::DotsBehind => (false, Greater),
     };
@@ -297,6 +304,7 @@ fn vertex_buffers(key: Key) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
     use wgpu::VertexStepMode::{Instance, Vertex as PerVertex};
     const SURFACE: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4];
     const VALUE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![2 => Float32];
+    const BATCH: [wgpu::VertexAttribute; 3] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Float32x4];
     const EDGE: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
     const LINE: [wgpu::VertexAttribute; 4] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4, 3 => Float32];
@@ -314,6 +322,7 @@ fn vertex_buffers(key: Key) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
             }
             buffers
         }
+        Kind::Batch => vec![layout(size_of::<BatchVertex>(), PerVertex, &BATCH)],
         Kind::Edges => vec![layout(size_of::<[[f32; 3]; 2]>(), Instance, &EDGE)],
         Kind::Lines | Kind::LinesDepth | Kind::LinesBehind | Kind::LinesFlat => {
             vec![layout(size_of::<SegmentInstance>(), Instance, &LINE)]

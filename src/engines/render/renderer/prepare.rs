@@ -1,14 +1,17 @@
 //! Preparation of a picture on the CPU: from a scene and a camera to the data for the GPU.
 
 use std::ops::Range;
+use std::sync::Arc;
 
+use bytemuck::Zeroable;
 use glam::{DAffine3, DMat4, DVec3};
 
+use super::batches::{Batch, Together};
 use super::triad::{self, Triad};
 use super::uniforms::{DotInstance, FrameUniform, ObjectUniform, PlaneVertex, SegmentInstance};
 use crate::camera::{Camera, Projection};
 use crate::colour::Colour;
-use crate::scene::{Grid, LineSet, Marker, Object, Scene, SectionPlane};
+use crate::scene::{Grid, LineSet, Marker, Object, Scene, SectionPlane, union};
 use crate::section::{Cut, CutCache};
 use geometry::mesh::Bounds;
 
@@ -29,6 +32,8 @@ const PIXELS: [f32; 2] = [0.25, 64.0];
 /// All that is drawn in one picture.
 pub struct Prepared {
     pub frame: FrameUniform,
+    /// Objects drawn together, nearest first.
+    pub batches: Vec<PreparedBatch>,
     pub objects: Vec<PreparedObject>,
     /// How many of `objects` come first and are opaque; the others are sorted by depth, furthest first.
     pub opaque: usize,
@@ -57,6 +62,12 @@ pub struct PreparedObject {
     nearest: f64,
 }
 
+/// Some objects drawn together.
+pub struct PreparedBatch {
+    pub batch: Arc<Batch>,
+    pub uniform: ObjectUniform,
+}
+
 /// View through which everything in a picture is seen.
 struct View<'a> {
     camera: &'a Camera,
@@ -66,14 +77,23 @@ struct View<'a> {
 }
 
 /// Prepares a picture of `size` pixels, `scale` of them to a pixel asked for.
-pub fn prepare(scene: &Scene, camera: &Camera, size: [u32; 2], scale: f64, cuts: &mut CutCache) -> Prepared {
+/// What is drawn `together` is not among its objects.
+pub fn prepare(
+    scene: &Scene,
+    camera: &Camera,
+    size: [u32; 2],
+    scale: f64,
+    cuts: &mut CutCache,
+    together: &Together,
+) -> Prepared {
     let rotation = camera.view_rotation();
     let affine = DAffine3 { matrix3: rotation, translation: camera.to_view(DVec3::ZERO) };
     let view = View { camera, size, scale, affine };
     let section = scene.section.filter(|s| s.unit_normal().is_some());
     let mut prepared = Prepared {
         frame: frame_uniform(scene, &view, section.as_ref()),
-        objects: objects(scene, &view),
+        batches: batches(together, &view),
+        objects: objects(scene, &view, together),
         opaque: 0,
         segments: Vec::new(),
         lines: 0..0,
@@ -87,7 +107,7 @@ pub fn prepare(scene: &Scene, camera: &Camera, size: [u32; 2], scale: f64, cuts:
     };
     prepared.opaque = prepared.objects.iter().filter(|o| scene.objects[o.index].is_opaque()).count();
     let (opaque, translucent) = prepared.objects.split_at_mut(prepared.opaque);
-    opaque.iter_mut().for_each(|object| object.uniform.values[2] = (object.index % OPAQUE_STEPS) as f32 * STEP);
+    opaque.iter_mut().for_each(|object| object.uniform.values[2] = f32::from(depth_step(object.index)) * STEP);
     for (rank, object) in translucent.iter_mut().enumerate() {
         object.uniform.values[2] = rank.min(STEPS) as f32 * STEP;
     }
@@ -128,9 +148,9 @@ fn frame_uniform(scene: &Scene, view: &View, section: Option<&SectionPlane>) -> 
         let reach = DVec3::new(g.radius, g.radius, 0.0);
         Bounds { min: g.center - reach, max: g.center + reach }
     });
-    let range = camera.depth_range(&grid.fold(scene.bounds(), union));
-    let objects = scene.objects.iter().filter(|o| o.is_visible()).map(Object::bounds);
-    let [near, far] = camera.depth_range(&objects.fold(Bounds::EMPTY, union));
+    let objects = scene.bounds_of_objects();
+    let range = camera.depth_range(&grid.fold(union(scene.bounds_of_points(), objects), union));
+    let [near, far] = camera.depth_range(&objects);
     let [width, height] = view.size.map(f64::from);
     let perspective = camera.projection == Projection::Perspective;
     let unit_depth = camera.pixel_size(1.0, view.size[1]);
@@ -167,12 +187,35 @@ fn hatch_spacing(view: &View) -> f64 {
     2f64.powf((HATCH_PX * view.scale * pixel * std::f64::consts::SQRT_2).log2().ceil())
 }
 
-fn objects(scene: &Scene, view: &View) -> Vec<PreparedObject> {
+/// How many depth steps nearer the opaque object at this place of the scene's list is drawn.
+pub fn depth_step(index: usize) -> i16 {
+    (index % OPAQUE_STEPS) as i16
+}
+
+fn batches(together: &Together, view: &View) -> Vec<PreparedBatch> {
+    let nearest = |b: &&Arc<Batch>| view.camera.depth_extent(&b.bounds)[0];
+    let mut batches: Vec<&Arc<Batch>> = together.batches.iter().collect();
+    batches.sort_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+    let prepared = |batch: &Arc<Batch>| {
+        let placed = view.affine * DAffine3::from_translation(batch.origin);
+        let uniform = ObjectUniform {
+            model_view: to_f32(&DMat4::from(placed)),
+            normal_view: to_f32(&DMat4::from_mat3(placed.matrix3)),
+            values: [0.0, 0.0, STEP, 0.0],
+            ..Zeroable::zeroed()
+        };
+        PreparedBatch { batch: batch.clone(), uniform }
+    };
+    batches.into_iter().map(prepared).collect()
+}
+
+fn objects(scene: &Scene, view: &View, together: &Together) -> Vec<PreparedObject> {
+    let visible = |o: &Object| o.is_visible() && o.transform.matrix3.determinant() != 0.0;
     let mut list: Vec<PreparedObject> = scene
         .objects
         .iter()
         .enumerate()
-        .filter(|(_, o)| o.is_visible() && o.transform.matrix3.determinant() != 0.0)
+        .filter(|(index, o)| !together.has(*index) && visible(o))
         .map(|(index, o)| PreparedObject {
             index,
             uniform: object_uniform(o, view),
@@ -200,7 +243,6 @@ fn object_uniform(object: &Object, view: &View) -> ObjectUniform {
     let [r, g, b] = object.colour.to_linear().map(|c| c as f32);
     let opacity = object.opacity.min(1.0);
     let mirrored = if placed.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
-    let selected = if object.selected { 0.42 } else { 0.0 };
     let edge_strength = if object.is_opaque() { 0.85 } else { 0.25 + 0.5 * opacity };
     let (row, values) = object.values.as_ref().map_or((0.0, [0.0; 4]), |v| {
         let span = v.range[1] - v.range[0];
@@ -210,7 +252,7 @@ fn object_uniform(object: &Object, view: &View) -> ObjectUniform {
         model_view: to_f32(&model_view),
         normal_view: to_f32(&DMat4::from_mat3(turn)),
         colour: [r, g, b, opacity],
-        look: [selected, row, mirrored, edge_strength],
+        look: [object.accent(), row, mirrored, edge_strength],
         values,
     }
 }
@@ -317,10 +359,6 @@ impl View<'_> {
     fn point(&self, p: DVec3) -> [f32; 3] {
         self.affine.transform_point3(p).as_vec3().to_array()
     }
-}
-
-fn union(a: Bounds, b: Bounds) -> Bounds {
-    Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }
 }
 
 fn pixels(asked: f32) -> f32 {

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use image::RgbaImage;
 
 use super::Quality;
@@ -14,6 +14,9 @@ use crate::scene::{Grid, LineSet, Marker, Object, ObjectId, Scene, SectionPlane,
 use crate::view::{StandardView, looking};
 use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled};
+
+#[path = "tests_moving.rs"]
+mod moving;
 
 const SIZE: [u32; 2] = [240, 160];
 const MIDDLE: DVec2 = DVec2::new(120.0, 80.0);
