@@ -43,11 +43,12 @@ pub struct Heights {
     stock: Vec<bool>,
 }
 
-/// Stock left at one place (mm): its middle and its height.
+/// Stock left at one place (mm): its middle, its height, and how many of the four places beside it have none.
 #[derive(Debug, Clone, Copy)]
 pub struct Left {
     pub middle: DVec3,
     pub height: f64,
+    sides: usize,
 }
 
 impl Heights {
@@ -97,14 +98,17 @@ impl Heights {
             }
         }
         let bottom = self.corner.z as f32;
-        let of = |(place, stands): (usize, f32)| {
-            let floor = self.top[place].max(bottom);
-            let is_left = self.stock[place] && f64::from((stands - floor) * self.upward[place]) > tolerance;
+        let heights: Vec<f32> = left.iter().zip(&self.top).map(|(stands, top)| stands - top.max(bottom)).collect();
+        let is_left = |place: usize| self.stock[place] && f64::from(heights[place] * self.upward[place]) > tolerance;
+        let of = |place: usize| {
+            let beside = [place - 1, place + 1, place - self.columns, place + self.columns];
             let at = self.corner.truncate() + self.place(place) * self.step;
-            let middle = at.extend(0.5 * f64::from(stands + floor));
-            is_left.then_some(Left { middle, height: f64::from(stands - floor) })
+            let middle = at.extend(f64::from(left[place] - 0.5 * heights[place]));
+            let sides = beside.into_iter().filter(|beside| !is_left(*beside)).count();
+            Left { middle, height: f64::from(heights[place]), sides }
         };
-        left.into_iter().enumerate().filter_map(of).collect()
+        // There is room around the mold: no place with stock is an outermost one.
+        (0..left.len()).filter(|place| is_left(*place)).map(of).collect()
     }
 
     fn place(&self, place: usize) -> glam::DVec2 {
@@ -142,8 +146,14 @@ impl Heights {
         }
     }
 
-    /// Volume of such stock (mm^3).
-    pub fn volume(&self, left: &[Left]) -> f64 {
-        left.iter().map(|left| left.height).sum::<f64>() * self.step * self.step
+    /// Volume of such stock (mm^3), no more or no less than it is: it ends up to half a step before or beyond its outermost
+    /// places.
+    pub fn volume(&self, left: &[Left], bound: Bound) -> f64 {
+        let beyond = match bound {
+            Bound::Least => -0.5,
+            Bound::Most => 0.5,
+        };
+        let share = |left: &Left| (1.0 + beyond * left.sides as f64).max(0.0);
+        left.iter().map(|left| left.height * share(left)).sum::<f64>() * self.step * self.step
     }
 }

@@ -84,9 +84,9 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     use super::*;
-    use task::Cancel;
     use crate::probes::{Demand, Instant, Probes, SideDemand, Turns};
     use crate::samples::Sample;
+    use task::Cancel;
     use wheel::electrode::ElectrodeFace;
 
     /// A plate of points, some of which ask for more.
