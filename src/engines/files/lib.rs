@@ -25,6 +25,7 @@ pub use atomic::{atomic_write, write_bytes};
 pub use document::autosave::{Autosave, Recovery};
 pub use document::history::History;
 pub use document::project::{LARGEST_PROJECT, kind_of};
+pub use document::saving::Saving;
 pub use document::{AnyDocument, Document, MovedFile, Params, PartFile, sha256, sha256_of};
 pub use error::{FileError, Invalid, Validate};
 pub use export_folder::{ExportFolder, MANIFEST, Published};
