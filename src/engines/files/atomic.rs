@@ -105,7 +105,12 @@ mod tests {
         let [left, young, other] = [".sparkpath-a.part", ".sparkpath-b.part", "c.part"].map(|n| folder.path().join(n));
         [&left, &young, &other].into_iter().for_each(|file| fs::write(file, "half").unwrap());
         for file in [&left, &other] {
-            File::options().write(true).open(file).unwrap().set_modified(std::time::SystemTime::now() - 2 * LEFT).unwrap();
+            File::options()
+                .write(true)
+                .open(file)
+                .unwrap()
+                .set_modified(std::time::SystemTime::now() - 2 * LEFT)
+                .unwrap();
         }
         fs::create_dir(folder.path().join(".sparkpath-d.part")).unwrap();
         remove_left(folder.path());

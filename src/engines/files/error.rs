@@ -124,6 +124,12 @@ pub enum FileError {
         /// The file.
         file: PathBuf,
     },
+    /// The drive of the file does not answer.
+    #[error("{}: the drive does not answer; try again, or use another drive", file.display())]
+    Silent {
+        /// The file.
+        file: PathBuf,
+    },
     /// The name of the file is no Unicode, so that no other file can name it.
     #[error("{}: the name has characters that are not UTF-8; rename the file or its folder", file.display())]
     Unnamed {

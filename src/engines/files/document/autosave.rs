@@ -118,7 +118,8 @@ impl Drop for Autosave {
 /// Removes the locks in `folder` of programs that ended without a copy.
 fn remove_locks(folder: &Path) {
     for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
-        let process = path.file_stem().and_then(|stem| stem.to_str()).filter(|_| path.extension().is_some_and(|e| e == "lock"));
+        let process =
+            path.file_stem().and_then(|stem| stem.to_str()).filter(|_| path.extension().is_some_and(|e| e == "lock"));
         let Some(process) = process else { continue };
         if let Ok(file) = File::options().write(true).open(&path)
             && file.try_lock().is_ok()

@@ -311,7 +311,7 @@ impl<P: Params> Document<P> {
     /// The files in the parameters that are gone, or whose content differs from the noted digest.
     pub fn moved_files(&self) -> Vec<MovedFile> {
         let mut moved = Vec::new();
-        for path in used(&self.params) {
+        for path in files_in(&self.params) {
             let known = self.files.iter().find(|file| file.path == path);
             match (path.is_file(), known) {
                 (false, _) => moved.push(MovedFile { path, is_changed: false }),
@@ -351,7 +351,7 @@ impl<P: Params> Document<P> {
 
     /// Content of the document's project file.
     pub(crate) fn project(&self) -> Project<P> {
-        let used = used(&self.params);
+        let used = files_in(&self.params);
         Project {
             params: self.params.clone(),
             files: self.files.iter().filter(|file| used.contains(&file.path)).cloned().collect(),
@@ -435,7 +435,7 @@ fn note(all: &mut BTreeMap<String, String>, name: &str, content: Option<String>)
 }
 
 /// The files in `params`, each once.
-fn used(params: &impl Params) -> Vec<PathBuf> {
+pub fn files_in(params: &impl Params) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = Vec::new();
     params.clone().change_paths(&mut |path| {
         if !paths.iter().any(|known| known == path) {
