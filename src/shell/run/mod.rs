@@ -3,6 +3,7 @@
 mod drives;
 mod lost;
 mod questions;
+mod watch;
 
 use std::any::Any;
 use std::path::{Path, PathBuf};
@@ -32,6 +33,7 @@ use lost::Lost;
 use render::camera::Camera;
 use render::scene::Scene;
 use task::Scheduler;
+use watch::Watch;
 
 /// Folders of the program.
 #[derive(Debug, Clone)]
@@ -107,6 +109,7 @@ pub struct SparkpathApp {
     saved_preferences: Preferences,
     /// Work on files whose drive does not answer yet.
     waiting: Waiting,
+    watch: Watch,
     /// Reason why the graphics device was lost, if it was.
     lost: Lost,
     /// Why the program ends by itself, once it does.
@@ -172,6 +175,7 @@ impl SparkpathApp {
             not_copied: Vec::new(),
             saved_preferences: preferences,
             waiting: Waiting::default(),
+            watch: Watch::default(),
             lost: Lost::watch(state, &cc.egui_ctx),
             ending: Arc::default(),
             ctx: cc.egui_ctx.clone(),
@@ -590,6 +594,7 @@ impl eframe::App for SparkpathApp {
         self.apply_preferences(&ctx);
         self.retitle(&ctx);
         self.keep_up(&ctx);
+        self.watch_files();
         self.slowest_frame = self.slowest_frame.max(started.elapsed().as_secs_f64());
     }
 

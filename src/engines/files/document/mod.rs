@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::document::history::History;
-use crate::paths::check_name;
+use crate::paths::{absolute, check_name};
 use crate::{FileError, Invalid, Validate};
 use project::{CopyNote, Project};
 use saving::Saving;
@@ -64,6 +64,9 @@ pub trait AnyDocument {
 
     /// The project file, if there is one.
     fn file(&self) -> Option<&Path>;
+
+    /// The files in the parameters, each once.
+    fn files(&self) -> Vec<PathBuf>;
 
     /// Whether there are unsaved changes.
     fn is_unsaved(&self) -> bool;
@@ -375,6 +378,10 @@ impl<P: Params> AnyDocument for Document<P> {
         self.file.as_deref()
     }
 
+    fn files(&self) -> Vec<PathBuf> {
+        files_in(&self.params)
+    }
+
     fn is_unsaved(&self) -> bool {
         self.saved.as_ref() != Some(&self.params) || self.saved_kept != self.kept
     }
@@ -416,7 +423,7 @@ impl<P: Params> AnyDocument for Document<P> {
     }
 
     fn copy(&self, copy: &Path) -> Result<String, FileError> {
-        let (file, sha256) = (self.file.clone(), self.file_sha256.clone());
+        let (file, sha256) = (self.file.as_deref().map(absolute), self.file_sha256.clone());
         self.project().text(copy, Some(CopyNote { file, sha256, part: self.params.part() }))
     }
 }
