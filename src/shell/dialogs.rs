@@ -45,6 +45,7 @@ impl Dialog {
         match (self, other) {
             (Self::Path(a, _), Self::Path(b, _)) | (Self::Overwrite(a, _), Self::Overwrite(b, _)) => a == b,
             (Self::Workspace(a), Self::Workspace(b)) => a == b,
+            (Self::Changed(a, _), Self::Changed(b, _)) => a == b,
             // Each has its own to tell.
             (Self::Error(..), Self::Error(..)) => false,
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),

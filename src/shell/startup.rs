@@ -1,8 +1,10 @@
 //! Opens the window, or explains why it cannot be opened.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Arc, OnceLock};
 
 use super::run::{Folders, Opening, SparkpathApp};
+use crate::panic_text;
 use crate::workspaces::preferences::Preferences;
 
 /// Preconditions of a window.
@@ -78,7 +80,12 @@ pub fn run_window(opening: Opening) -> Result<(), String> {
         told.get_or_init(|| app.ending().clone());
         Ok(Box::new(app))
     };
-    let ended = eframe::run_native("sparkpath", options, Box::new(app));
+    // The library of windows panics where the connection to the screen breaks.
+    let run = || eframe::run_native("sparkpath", options, Box::new(app)).map_err(|error| error.to_string());
+    let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+        let is_connection = panic_text(&*panic).contains("Connection(");
+        if is_connection { Err("the connection to the screen was lost".to_owned()) } else { resume_unwind(panic) }
+    });
     let was_open = ending.get();
     if let Some(why) = was_open.and_then(|ending| ending.get()) {
         return Err(why.clone());

@@ -175,6 +175,9 @@ fn a_mesh_that_changes_or_goes_away_meanwhile_is_said() {
 
 #[cfg(unix)]
 mod drives {
+    use sparkpath::workspaces::mold::MoldWorkspace;
+    use sparkpath::workspaces::mold::paths::MoldPath;
+
     use super::*;
 
     /// A pipe at whose other end nobody is: what reads it waits for ever, as on a drive that does not answer.
@@ -234,14 +237,9 @@ mod drives {
         let home = Home::new();
         let (mut desk, _) = open(&home);
         let pipe = silent(&home, "cutters.toml");
-        desk.window.state_mut().act(|workspace: &mut sparkpath::workspaces::mold::MoldWorkspace, cx| {
-            use sparkpath::workspaces::context::PathSet as _;
-            use sparkpath::workspaces::mold::paths::MoldPath;
-            use sparkpath::workspaces::workspace::Workspace as _;
-            let number = MoldPath::table().iter().position(|(path, _)| *path == MoldPath::Cutters).unwrap();
-            workspace.take_path(number, pipe, cx);
-        });
+        desk.window.state_mut().act(|_: &mut MoldWorkspace, cx| cx.ask(MoldPath::Cutters, ""));
         desk.settle();
+        desk.type_path(&pipe);
         desk.assert_shows("cutters.toml: the drive does not answer");
     }
 

@@ -1,5 +1,6 @@
 //! Questions to the user (unsaved work, paths, copies) and what follows from the answers.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::drives::Arriving;
@@ -7,10 +8,22 @@ use super::{Named, SparkpathApp};
 use crate::shell::dialogs::{Answer, Dialog, Intent};
 use crate::shell::files::{Asking, Opened, PROJECT, Purpose};
 use crate::shell::study::{LOOK_AT, RUN_IN, StudyAnswer};
-use crate::workspaces::context::is_project;
+use crate::workspaces::context::{PathKind, is_project};
 use crate::workspaces::news::EventKind;
-use files::patience::{Found, look_at};
+use files::patience::{Found, look_at, soon};
 use files::{FileError, Recovery, Saving};
+
+/// Whether the drive of a file that is read at once answers; what is opened may take its time.
+fn answers(purpose: Purpose, path: &Path) -> Result<(), FileError> {
+    if purpose.info.opens || !matches!(purpose.info.kind, PathKind::Read(..)) {
+        return Ok(());
+    }
+    // What is wrong with the file is said by who reads it.
+    soon(path, |path| {
+        drop(File::open(path));
+        Ok(())
+    })
+}
 
 impl SparkpathApp {
     /// Carries out `intent` after the question about unsaved work.
@@ -186,7 +199,13 @@ impl SparkpathApp {
             Asking::Workspace(i, number) if purpose.info.opens && is_project(&path) => {
                 self.arrive(&path, Arriving::Path(purpose, i, number));
             }
-            Asking::Workspace(i, number) => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
+            Asking::Workspace(i, number) => match answers(purpose, &path) {
+                Ok(()) => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
+                Err(silent) => {
+                    self.cancelled(purpose);
+                    self.error(purpose.info.title, silent.to_string());
+                }
+            },
         }
     }
 

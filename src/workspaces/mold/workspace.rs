@@ -113,7 +113,7 @@ impl MoldWorkspace {
     }
 
     fn load_cutters(&mut self, path: &Path, are_others: bool, cx: &mut Context) {
-        match soon(path, |path| CUTTERS.read(path)) {
+        match CUTTERS.read(path) {
             Ok(library) if are_others => self.desk.other = library,
             Ok(library) => {
                 let mut params = self.desk.params().clone();
