@@ -268,6 +268,8 @@ mod drives {
         use std::os::unix::ffi::OsStringExt as _;
         let home = Home::new();
         let (mut desk, file) = open(&home);
+        // The fonts of the window have no such letters; the system draws the title.
+        desk.window.ctx.set_missing_glyph_policy(egui::MissingGlyphPolicy::Tofu);
         let name = "\u{5e9}\u{5dc}\u{5d5}\u{5dd}";
         let hebrew = home.path(&format!("{name}.sparkpath"));
         std::fs::copy(&file, &hebrew).unwrap();
