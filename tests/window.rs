@@ -14,6 +14,8 @@ mod electrodes;
 mod exporting;
 #[path = "window/failures.rs"]
 mod failures;
+#[path = "window/faults.rs"]
+mod faults;
 #[path = "window/flank.rs"]
 mod flank;
 #[path = "window/fourth.rs"]

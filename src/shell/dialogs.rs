@@ -1,6 +1,6 @@
 //! Dialogs of the window: unsaved work, recovery, preferences, paths, errors, log, about.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Align2, Id, Modal, RichText, Ui};
 
@@ -11,7 +11,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::context::Context;
 use crate::workspaces::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use crate::workspaces::workspace::Workspace;
-use files::Recovery;
+use files::{Recovery, Saving};
 
 /// The question to the user, one at a time.
 #[derive(Default)]
@@ -31,6 +31,8 @@ pub enum Dialog {
     Path(Purpose, String),
     /// A chosen file exists already.
     Overwrite(Purpose, PathBuf),
+    /// Another program has changed the file in which the document of this workspace was to be saved.
+    Changed(usize, Saving),
     /// About the program.
     About,
     /// An error: title and text.
@@ -43,6 +45,7 @@ impl Dialog {
         match (self, other) {
             (Self::Path(a, _), Self::Path(b, _)) | (Self::Overwrite(a, _), Self::Overwrite(b, _)) => a == b,
             (Self::Workspace(a), Self::Workspace(b)) => a == b,
+            (Self::Changed(a, _), Self::Changed(b, _)) => a == b,
             // Each has its own to tell.
             (Self::Error(..), Self::Error(..)) => false,
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
@@ -84,6 +87,10 @@ pub enum Answer {
     Path(Purpose, PathBuf),
     /// Overwrite the file.
     Overwrite,
+    /// Save under another name.
+    SaveCopy,
+    /// Read the file again in place of the document.
+    ReadAgain,
     /// Close the dialog.
     Close,
 }
@@ -103,6 +110,7 @@ pub fn show(
         Dialog::Workspace(i) => workspaces[*i].dialog_title(),
         Dialog::Path(purpose, _) => purpose.info.title,
         Dialog::Overwrite(..) => "Replace this file?",
+        Dialog::Changed(..) => "The file has changed",
         Dialog::About => "About Sparkpath",
         Dialog::Error(title, _) => title,
     }
@@ -147,6 +155,7 @@ fn contents(
             ui.label(format!("{} exists already and would be replaced.", path.display()));
             buttons(ui, &[("Replace", Answer::Overwrite), ("Cancel", Answer::Close)])
         }
+        Dialog::Changed(_, saving) => changed(ui, saving.file()),
         Dialog::About => about(ui, adapter),
         Dialog::Error(_, text) => {
             ui.label(&*text);
@@ -176,6 +185,16 @@ fn unsaved(ui: &mut Ui, workspace: &dyn Workspace, intent: Intent) -> Option<Ans
         ui,
         &[("Save", Answer::SaveThen(intent)), ("Don't save", Answer::Discard(intent)), ("Cancel", Answer::Close)],
     )
+}
+
+fn changed(ui: &mut Ui, file: &Path) -> Option<Answer> {
+    ui.label(format!("{} was changed by another program since it was read. Nothing was saved yet.", file.display()));
+    let copy = ui.button("Save under another name…").on_hover_text("Both stay").clicked();
+    let again =
+        ui.button("Read it again").on_hover_text("The file's content takes the place of what is open").clicked();
+    let answer = buttons(ui, &[("Replace it", Answer::Overwrite), ("Cancel", Answer::Close)]);
+    let answer = answer.or(again.then_some(Answer::ReadAgain));
+    if copy { Some(Answer::SaveCopy) } else { answer }
 }
 
 fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::system_dialogs::System;
 use crate::workspaces::context::{Endings, PathInfo, PathKind};
 use files::paths;
+use files::patience::Found;
 
 /// Purpose of a chosen path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,9 +85,9 @@ impl Purpose {
         if let PathKind::Write(_, ending) = self.info.kind { Some(ending) } else { None }
     }
 
-    /// Whether the file at `path` must exist but does not.
-    pub fn is_missing(&self, path: &Path) -> bool {
-        matches!(self.info.kind, PathKind::Read(_, _, true)) && !path.is_file()
+    /// Whether a file must be there, and something else was `found`.
+    pub fn is_missing(&self, found: Found) -> bool {
+        matches!(self.info.kind, PathKind::Read(_, _, true)) && found != Found::File
     }
 
     /// `path` with the ending of this purpose, added after any dots in the name.
@@ -117,11 +118,12 @@ impl FileDialogs {
             return Opened::Asked;
         }
         let mut dialog = rfd::FileDialog::new();
-        if let Some(folder) = folder.filter(|f| f.is_dir()) {
-            dialog = dialog.set_directory(folder);
-        }
+        let folder = folder.map(Path::to_owned);
         let (name, ctx) = (name.to_owned(), ctx.clone());
         let spawned = std::thread::Builder::new().name("file dialog".to_owned()).spawn(move || {
+            if let Some(folder) = folder.filter(|folder| folder.is_dir()) {
+                dialog = dialog.set_directory(folder);
+            }
             dialog = dialog.set_title(purpose.info.title);
             let path = match purpose.info.kind {
                 PathKind::Folder => dialog.pick_folder(),

@@ -1,6 +1,10 @@
 //! Opens the window, or explains why it cannot be opened.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::{Arc, OnceLock};
+
 use super::run::{Folders, Opening, SparkpathApp};
+use crate::panic_text;
 use crate::workspaces::preferences::Preferences;
 
 /// Preconditions of a window.
@@ -69,12 +73,27 @@ pub fn run_window(opening: Opening) -> Result<(), String> {
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()
     };
+    let ending = Arc::new(OnceLock::new());
+    let told = ending.clone();
     let app = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
-        Ok(Box::new(SparkpathApp::new(cc, &opening, Folders::of_user())?))
+        let app = SparkpathApp::new(cc, &opening, Folders::of_user())?;
+        told.get_or_init(|| app.ending().clone());
+        Ok(Box::new(app))
     };
-    eframe::run_native("sparkpath", options, Box::new(app)).map_err(|e| {
-        format!(
+    // The library of windows panics where the connection to the screen breaks.
+    let run = || eframe::run_native("sparkpath", options, Box::new(app)).map_err(|error| error.to_string());
+    let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+        let is_connection = panic_text(&*panic).contains("Connection(");
+        if is_connection { Err("the connection to the screen was lost".to_owned()) } else { resume_unwind(panic) }
+    });
+    let was_open = ending.get();
+    if let Some(why) = was_open.and_then(|ending| ending.get()) {
+        return Err(why.clone());
+    }
+    ended.map_err(|e| match was_open {
+        Some(_) => format!("the window was closed by the system ({e}); unsaved work is offered at the next start"),
+        None => format!(
             "the window could not be opened ({e}); the commands without a window still work, see `sparkpath --help`"
-        )
+        ),
     })
 }

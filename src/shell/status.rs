@@ -4,15 +4,30 @@ use egui::{RichText, Ui, vec2};
 
 use crate::widgets::panel_parts::{grouped, sentence};
 use crate::widgets::theme::palette;
-use crate::workspaces::commands::FrameCommand;
-use crate::workspaces::context::{Context, LogLine};
+use crate::workspaces::commands::{CommandSet as _, FrameCommand};
+use crate::workspaces::context::{Context, LogLine, status_sentence};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::preferences::LengthUnit;
 use crate::workspaces::workspace::{Standing, Workspace};
 
 /// Draws the status bar.
-pub fn show(ui: &mut Ui, (workspaces, shown): (&mut [Box<dyn Workspace>], usize), cx: &mut Context) {
+///
+/// `waiting` is a sentence on files whose drive does not answer, if there are any.
+pub fn show(
+    ui: &mut Ui,
+    (workspaces, shown): (&mut [Box<dyn Workspace>], usize),
+    waiting: Option<&str>,
+    cx: &mut Context,
+) {
     ui.horizontal(|ui| {
+        if let Some(waiting) = waiting {
+            if ui.small_button("Cancel").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
+                cx.push(FrameCommand::Cancel);
+            }
+            let room = ui.available_width();
+            status_sentence(ui, (0.5 * room).clamp(120.0, 460.0), waiting);
+            ui.separator();
+        }
         for (i, workspace) in workspaces.iter_mut().enumerate() {
             workspace.status(ui, cx, i == shown);
         }

@@ -212,7 +212,6 @@ impl StudyWindow {
         let study = self.form.study()?;
         // Paths in the text are as seen from its folder.
         let text = here.document().copy(&folder.join("project.sparkpath")).map_err(|e| e.to_string())?;
-        let Some(text) = text else { return Err("The parameters are not possible: correct them first".to_owned()) };
         let base = Base::parse(here.about().id, &text, folder).map_err(|e| e.to_string())?;
         let own = here.near().and_then(Path::parent).unwrap_or(folder);
         let placed = |problem| files::FileError::invalid(&folder.join(STUDY), problem);

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use files::{AnyDocument as _, Document, MovedFile, Params, Recovery};
+use files::patience::await_files;
+use files::{AnyDocument as _, Document, MovedFile, Params, Recovery, files_in};
 use task::{Doing, Lane, Memo, Priority, Refusal, Scheduler, Task};
 
 use super::commands::{Command, CommandSet, FrameCommand};
@@ -48,6 +49,21 @@ impl From<String> for NotOpened {
     }
 }
 
+/// Waits until the drives of `files` answer.
+///
+/// # Errors
+/// If the task is cancelled before.
+pub fn await_drives(files: &[PathBuf], task: &Task) -> Result<(), String> {
+    let waiting = |file: &Path| {
+        let text = format!("the drive of {} does not answer yet", file.display());
+        task.progress.report("waiting for a drive", 0.0, &text);
+    };
+    if await_files(files, || task.cancel.is_cancelled(), waiting) {
+        return Ok(());
+    }
+    task.check().map_err(|e| e.to_string())
+}
+
 /// A document that was read, or the file that is none and why.
 type Read<P, L> = Result<Arc<Incoming<P, L>>, (Option<PathBuf>, String)>;
 
@@ -79,6 +95,11 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
         self.number += 1;
         self.moved.forget();
         self.memo.restart(&self.number, Priority::Shown, move |work| {
+            let source_file = match &source {
+                Source::Project(file) => Some(file.clone()),
+                Source::Copy(_) | Source::There(_) => None,
+            };
+            await_drives(&source_file.into_iter().collect::<Vec<_>>(), &work.task)?;
             let asks_about_files = matches!(source, Source::Project(_));
             let (file, copy, document) = match source {
                 Source::Project(file) => (Some(file.clone()), None, Document::open(&file)),
@@ -89,6 +110,7 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
                 Ok(document) => document,
                 Err(why) => return Ok(Err((file, why.to_string()))),
             };
+            await_drives(&files_in(document.params()), &work.task)?;
             work.task.check().map_err(|e| e.to_string())?;
             let moved = if asks_about_files { document.moved_files() } else { Vec::new() };
             if !moved.is_empty() {

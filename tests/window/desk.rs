@@ -143,7 +143,7 @@ impl Desk {
     }
 
     /// Waits until a frame is wanted. One frame answers all that wanted one before it.
-    fn await_wake(&self) {
+    pub fn await_wake(&self) {
         self.woken.recv().unwrap();
         self.woken.try_iter().for_each(drop);
     }

@@ -118,6 +118,24 @@ pub enum FileError {
         /// Greatest size that is read (bytes).
         most: u64,
     },
+    /// Another program has changed the file since it was read; nothing was written.
+    #[error("{}: was changed by another program since it was read; save under another name, or replace it", file.display())]
+    Changed {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The drive of the file does not answer.
+    #[error("{}: the drive does not answer; try again, or use another drive", file.display())]
+    Silent {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The name of the file is no Unicode, so that no other file can name it.
+    #[error("{}: the name has characters that are not UTF-8; rename the file or its folder", file.display())]
+    Unnamed {
+        /// The file.
+        file: PathBuf,
+    },
     /// The file was not written, because it could not be read again.
     #[error("{}: not written: {problem}", file.display())]
     NotWritten {
@@ -176,6 +194,11 @@ impl FileError {
     /// Whether the file does not exist.
     pub fn is_not_found(&self) -> bool {
         matches!(self, Self::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound)
+    }
+
+    /// Whether another program has changed the file since it was read.
+    pub fn is_changed(&self) -> bool {
+        matches!(self, Self::Changed { .. })
     }
 
     /// The line, counted from 1, where it is known.

@@ -2,6 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::FileError;
+
+/// Refuses a file whose name is no UTF-8: text files, such as copies of unsaved work, could not name it.
+///
+/// # Errors
+/// [`FileError::Unnamed`].
+pub fn check_name(file: &Path) -> Result<(), FileError> {
+    match file.to_str() {
+        Some(_) => Ok(()),
+        None => Err(FileError::Unnamed { file: file.to_owned() }),
+    }
+}
+
 /// `path` as an absolute path; an empty one is the working folder.
 pub fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path })

@@ -1,9 +1,13 @@
 //! The window: its state, and the work of each frame.
 
+mod drives;
+mod lost;
 mod questions;
+mod watch;
 
 use std::any::Any;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use egui::{Panel, Ui};
@@ -16,17 +20,20 @@ use crate::shell::study::StudyWindow;
 use crate::shell::{menu, status};
 use crate::widgets::theme;
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Scope, pressed};
-use crate::workspaces::context::{Context, LogLine, Request, is_project};
+use crate::workspaces::context::{Context, LogLine, Request};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::preferences::{Preferences, ThemeChoice};
 use crate::workspaces::registry::workspaces;
 use crate::workspaces::workspace::Workspace;
+use drives::Waiting;
 use files::paths::user_folder;
-use files::{Autosave, Recovery, ResultCache, kind_of};
+use files::{Autosave, Recovery, ResultCache};
+use lost::Lost;
 use render::camera::Camera;
 use render::scene::Scene;
 use task::Scheduler;
+use watch::Watch;
 
 /// Folders of the program.
 #[derive(Debug, Clone)]
@@ -65,7 +72,7 @@ const NOTHING_CHOSEN: &str =
     "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
 
 /// Interval of copies of unsaved work (s).
-const AUTOSAVE: f64 = 2.0;
+const AUTOSAVE: f64 = 1.0;
 
 /// Greatest size of the cache of results (bytes).
 const MOST_RESULTS: u64 = 512 << 20;
@@ -100,6 +107,14 @@ pub struct SparkpathApp {
     /// Errors of the last attempt to write copies.
     not_copied: Vec<String>,
     saved_preferences: Preferences,
+    /// Work on files whose drive does not answer yet.
+    waiting: Waiting,
+    watch: Watch,
+    /// Reason why the graphics device was lost, if it was.
+    lost: Lost,
+    /// Why the program ends by itself, once it does.
+    ending: Arc<OnceLock<String>>,
+    ctx: egui::Context,
     /// Intent that follows once the document of this workspace is saved.
     after_save: Option<(usize, Intent)>,
     /// For each workspace the revision that the user gave up for the present replacement: the user is not asked about
@@ -159,6 +174,11 @@ impl SparkpathApp {
             autosave,
             not_copied: Vec::new(),
             saved_preferences: preferences,
+            waiting: Waiting::default(),
+            watch: Watch::default(),
+            lost: Lost::watch(state, &cc.egui_ctx),
+            ending: Arc::default(),
+            ctx: cc.egui_ctx.clone(),
             after_save: None,
             given_up: Vec::new(),
             adapter: format!("Drawn by {} ({:?}, {:?})", info.name, info.device_type, info.backend),
@@ -233,12 +253,15 @@ impl SparkpathApp {
 
     /// Whether work is under way.
     pub fn is_busy(&self) -> bool {
-        self.pictures.is_busy() || self.study.is_busy() || self.workspaces.iter().any(|one| one.is_busy())
+        self.is_waiting()
+            || self.pictures.is_busy()
+            || self.study.is_busy()
+            || self.workspaces.iter().any(|one| one.is_busy())
     }
 
     /// Whether a document is being read.
     pub fn is_opening(&self) -> bool {
-        self.workspaces.iter().any(|one| one.is_opening())
+        self.is_waiting() || self.workspaces.iter().any(|one| one.is_opening())
     }
 
     /// The last line of the log in the workspace that is shown, unless it tells of a problem that is over; and whether
@@ -265,33 +288,6 @@ impl SparkpathApp {
     /// Longest layout of a frame since the last call, without drawing (s).
     pub fn take_slowest_frame(&mut self) -> f64 {
         std::mem::take(&mut self.slowest_frame)
-    }
-
-    /// Opens a document or a mesh. The caller has asked about unsaved work.
-    pub fn open(&mut self, path: &Path) {
-        if let Some(owner) = self.owner(path) {
-            self.give_up(owner);
-            // What is to be seen is worked on from the beginning.
-            self.shown = owner;
-            self.with(owner, |workspace, cx| workspace.open(path, cx));
-        }
-    }
-
-    /// Number of the workspace that opens `path`: for a project the workspace of its kind, else the one that is shown.
-    /// Shows the reason if there is none.
-    fn owner(&mut self, path: &Path) -> Option<usize> {
-        if !is_project(path) {
-            return Some(self.shown);
-        }
-        let kind = kind_of(path).map_err(|error| self.cx.not_a_project(path, &error)).ok()?;
-        let owner = self.workspaces.iter().position(|one| one.about().id == kind);
-        if owner.is_none() {
-            let known: Vec<&str> = self.workspaces.iter().map(|one| one.about().id).collect();
-            let why = format!("{}: kind is \"{kind}\": must be one of {}", path.display(), known.join(", "));
-            self.cx.not_opened(path);
-            self.error("This project cannot be opened", why);
-        }
-        owner
     }
 
     /// Calls `act` on workspace number `i`, which is the one that acts meanwhile.
@@ -362,17 +358,6 @@ impl SparkpathApp {
         }
     }
 
-    /// Opens files in the workspace that they belong to.
-    fn open_here(&mut self, mut files: Vec<PathBuf>) {
-        let Some(first) = files.first() else { return };
-        self.given_up.clear();
-        let Some(owner) = self.owner(&first.clone()) else { return };
-        if owner != self.shown || files.len() > 2 {
-            files.truncate(1);
-        }
-        self.with(owner, |workspace, cx| workspace.take_files(&files, cx));
-    }
-
     /// Whether any document has unsaved work.
     fn is_unsaved(&self) -> bool {
         self.workspaces.iter().any(|one| one.document().is_unsaved())
@@ -430,7 +415,11 @@ impl SparkpathApp {
     }
 
     fn run(&mut self, command: Command, ctx: &egui::Context) {
+        use FrameCommand as F;
         let (now, shown) = (self.cx.now, self.shown);
+        if F::of(command) == Some(F::Cancel) && self.is_waiting() {
+            return self.stop_waiting();
+        }
         if command.scope == Scope::Switch {
             self.shown = command.index;
             return self.cx.take_turn(self.shown);
@@ -441,7 +430,6 @@ impl SparkpathApp {
                 .for_each(|why| self.cx.say_in_passing(format!("{}: {why}", command.info.name.trim_end_matches('…'))));
             return;
         }
-        use FrameCommand as F;
         match F::of(command) {
             Some(F::Save) => self.save(shown, true, ctx),
             Some(F::SaveAs) => self.save(shown, false, ctx),
@@ -496,7 +484,9 @@ impl SparkpathApp {
     }
 
     fn inputs(&mut self, ctx: &egui::Context) {
-        self.open_here(ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect()));
+        let dropped: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
+        self.open_here(dropped);
+        self.follow_drives(ctx);
         match self.files.chosen() {
             Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),
             Some(Chosen::Cancelled(purpose)) => {
@@ -526,9 +516,10 @@ impl SparkpathApp {
         let shown = self.shown;
         let opened = Panel::top("menu").show(ui, |ui| menu::show(ui, (&self.workspaces, shown), &mut self.cx)).inner;
         self.open_here(opened.into_iter().collect());
+        let waiting = self.waiting_for();
         Panel::bottom("status")
             .exact_size(26.0)
-            .show(ui, |ui| status::show(ui, (&mut self.workspaces, shown), &mut self.cx));
+            .show(ui, |ui| status::show(ui, (&mut self.workspaces, shown), waiting.as_deref(), &mut self.cx));
         self.with(shown, |workspace, cx| workspace.ui(ui, cx));
     }
 
@@ -569,8 +560,10 @@ impl SparkpathApp {
         if let Some(autosave) = &mut self.autosave {
             self.workspaces.iter().for_each(|one| autosave.discard_saved(one.document()));
         }
-        if self.is_unsaved() {
-            ctx.request_repaint_after(Duration::from_secs_f64(AUTOSAVE));
+        if self.is_unsaved()
+            && let Some(autosave) = &self.autosave
+        {
+            ctx.request_repaint_after(Duration::from_secs_f64(autosave.due_in(self.cx.now).clamp(0.01, AUTOSAVE)));
         }
         if self.is_busy() {
             // Time left and elapsed go on even while nothing is reported.
@@ -584,6 +577,9 @@ impl eframe::App for SparkpathApp {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let started = Instant::now();
         let ctx = ui.ctx().clone();
+        if self.end_if_lost(&ctx) {
+            return;
+        }
         self.follow(&ctx);
         self.inputs(&ctx);
         self.attend(&ctx);
@@ -598,6 +594,7 @@ impl eframe::App for SparkpathApp {
         self.apply_preferences(&ctx);
         self.retitle(&ctx);
         self.keep_up(&ctx);
+        self.watch_files();
         self.slowest_frame = self.slowest_frame.max(started.elapsed().as_secs_f64());
     }
 

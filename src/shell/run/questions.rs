@@ -1,14 +1,29 @@
 //! Questions to the user (unsaved work, paths, copies) and what follows from the answers.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use super::drives::Arriving;
 use super::{Named, SparkpathApp};
 use crate::shell::dialogs::{Answer, Dialog, Intent};
 use crate::shell::files::{Asking, Opened, PROJECT, Purpose};
 use crate::shell::study::{LOOK_AT, RUN_IN, StudyAnswer};
-use crate::workspaces::context::is_project;
+use crate::workspaces::context::{PathKind, is_project};
 use crate::workspaces::news::EventKind;
-use files::Recovery;
+use files::patience::{Found, look_at, soon};
+use files::{FileError, Recovery, Saving};
+
+/// Whether the drive of a file that is read at once answers; what is opened may take its time.
+fn answers(purpose: Purpose, path: &Path) -> Result<(), FileError> {
+    if purpose.info.opens || !matches!(purpose.info.kind, PathKind::Read(..)) {
+        return Ok(());
+    }
+    // What is wrong with the file is said by who reads it.
+    soon(path, |path| {
+        drop(File::open(path));
+        Ok(())
+    })
+}
 
 impl SparkpathApp {
     /// Carries out `intent` after the question about unsaved work.
@@ -68,17 +83,29 @@ impl SparkpathApp {
     }
 
     fn save_as(&mut self, i: usize, file: &Path, ctx: &egui::Context) {
-        match self.workspaces[i].document_mut().save_as(file) {
+        match self.workspaces[i].document_mut().begin_saving(file) {
+            Ok(saving) => self.write(i, saving, false, ctx),
+            Err(why) => self.not_saved(i, &why),
+        }
+    }
+
+    /// The document of workspace number `i` was saved by `saving`, or was not.
+    pub(super) fn end_saving(&mut self, i: usize, saving: Saving, written: Result<(), FileError>, ctx: &egui::Context) {
+        match written {
             Ok(()) => {
-                self.cx.opened(file);
-                self.say(EventKind::Done, format!("saved as {}", file.display()));
+                self.workspaces[i].document_mut().end_saving(&saving);
+                self.cx.opened(saving.file());
+                self.say(EventKind::Done, format!("saved as {}", saving.file().display()));
                 self.saved(i, ctx);
             }
-            Err(why) => {
-                self.after_save.take_if(|(of, _)| *of == i);
-                self.error("The project was not saved", why.to_string());
-            }
+            Err(why) if why.is_changed() => self.put_up(Dialog::Changed(i, saving)),
+            Err(why) => self.not_saved(i, &why),
         }
+    }
+
+    fn not_saved(&mut self, i: usize, why: &FileError) {
+        self.after_save.take_if(|(of, _)| *of == i);
+        self.error("The project was not saved", why.to_string());
     }
 
     /// Draws the window of studies, and does what it asks for.
@@ -93,11 +120,14 @@ impl SparkpathApp {
 
     /// Takes the parameters of a point of a study in the workspace of its kind, as a step that can be undone.
     fn take_point(&mut self, point: usize, project: &Path) {
-        let Some(owner) = self.owner(project) else { return };
+        self.arrive(project, Arriving::Point(point));
+    }
+
+    /// Takes the parameters of a point of a study in workspace number `owner`.
+    pub(super) fn take_parameters(&mut self, owner: usize, point: usize, project: &Path) {
         self.shown = owner;
-        let taken =
-            self.with(owner, |workspace, _| workspace.take_parameters(project, &format!("Point {point} of a study")));
-        match taken {
+        let label = format!("Point {point} of a study");
+        match self.with(owner, |workspace, _| workspace.take_parameters(project, &label)) {
             Ok(()) => self
                 .say(EventKind::Done, format!("the parameters of point {point} are taken; undo gives the former ones")),
             Err(why) => self.error("The parameters of this point cannot be taken", why),
@@ -131,11 +161,19 @@ impl SparkpathApp {
     /// Takes a path for `purpose`, unless that would overwrite a file without asking.
     pub(super) fn named(&mut self, purpose: Purpose, path: PathBuf, how: Named, ctx: &egui::Context) {
         let title = purpose.info.title;
-        if purpose.ending().is_some() && path.is_dir() {
+        let whole = purpose.with_ending(path.clone());
+        let (found, there) = match look_at(&path).and_then(|found| Ok((found, look_at(&whole)?))) {
+            Ok(found) => found,
+            Err(silent) => {
+                self.cancelled(purpose);
+                return self.error(title, silent.to_string());
+            }
+        };
+        if purpose.ending().is_some() && found == Found::Folder {
             self.cancelled(purpose);
             return self.error(title, format!("{} is a folder. Add the name of a file to it.", path.display()));
         }
-        if purpose.is_missing(&path) {
+        if purpose.is_missing(found) {
             match how {
                 Named::Chosen => self.cancelled(purpose),
                 // The path can be mended.
@@ -144,9 +182,8 @@ impl SparkpathApp {
             let text = format!("There is no file {}. Check its name and its folder.", path.display());
             return self.error(title, text);
         }
-        let whole = purpose.with_ending(path.clone());
         let is_asked_about = how == Named::Chosen && whole == path;
-        if purpose.ending().is_some() && !is_asked_about && whole.exists() {
+        if purpose.ending().is_some() && !is_asked_about && there != Found::Nothing {
             self.put_up(Dialog::Overwrite(purpose, whole));
         } else {
             self.chosen(purpose, whole, ctx);
@@ -159,14 +196,16 @@ impl SparkpathApp {
             Asking::Document(i) => self.save_as(i, &path, ctx),
             Asking::Study(true) => self.study.run(&path, &*self.workspaces[self.shown], ctx),
             Asking::Study(false) => self.study.look_at(&path, ctx),
-            Asking::Workspace(i, number) => {
-                let owner = if purpose.info.opens && is_project(&path) { self.owner(&path) } else { Some(i) };
-                match owner {
-                    Some(other) if other != i => self.with(other, |workspace, cx| workspace.take_files(&[path], cx)),
-                    Some(_) => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
-                    None => self.cancelled(purpose),
-                }
+            Asking::Workspace(i, number) if purpose.info.opens && is_project(&path) => {
+                self.arrive(&path, Arriving::Path(purpose, i, number));
             }
+            Asking::Workspace(i, number) => match answers(purpose, &path) {
+                Ok(()) => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
+                Err(silent) => {
+                    self.cancelled(purpose);
+                    self.error(purpose.info.title, silent.to_string());
+                }
+            },
         }
     }
 
@@ -185,6 +224,13 @@ impl SparkpathApp {
             (Answer::ForgetCopies, Dialog::Recover(copies)) => copies.iter().for_each(Recovery::discard),
             (Answer::Path(purpose, path), _) => self.named(purpose, path, Named::Typed, ctx),
             (Answer::Overwrite, Dialog::Overwrite(purpose, path)) => self.chosen(purpose, path, ctx),
+            (Answer::Overwrite, Dialog::Changed(i, saving)) => self.write(i, saving, true, ctx),
+            (Answer::SaveCopy, Dialog::Changed(i, _)) => self.save(i, false, ctx),
+            (Answer::ReadAgain, Dialog::Changed(i, saving)) => {
+                self.after_save.take_if(|(of, _)| *of == i);
+                self.open_here(vec![saving.file().to_owned()]);
+            }
+            (Answer::Close, Dialog::Changed(i, _)) => drop(self.after_save.take_if(|(of, _)| *of == i)),
             (Answer::Close, Dialog::Overwrite(purpose, _) | Dialog::Path(purpose, _)) => self.cancelled(purpose),
             _ => {}
         }

@@ -23,6 +23,7 @@ use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::technology::{TableChange, TechnologyWindow, read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
+use files::patience::soon;
 use files::{AnyDocument, Document, Recovery, paths};
 use nc::template::BurnSheet;
 use task::{Scheduler, State};
@@ -161,7 +162,8 @@ impl MoldWorkspace {
     }
 
     fn save_cutters(&mut self, path: &Path, cx: &mut Context) {
-        match CUTTERS.write(path, &self.desk.params().library) {
+        let library = self.desk.params().library.clone();
+        match soon(path, move |path| CUTTERS.write(path, &library)) {
             Ok(()) => cx.say(EventKind::Done, format!("cutters saved as {}", path.display())),
             Err(e) => cx.error("The cutters were not saved", e.to_string()),
         }

@@ -11,6 +11,7 @@ use std::time::SystemTime;
 use super::project::{CopyNote, LARGEST_PROJECT, Project, note_of};
 use super::{AnyDocument, Document, Params};
 use crate::FileError;
+use crate::atomic::remove_left;
 use crate::toml_file::write_text;
 
 const ENDING: &str = "sparkpath";
@@ -35,12 +36,15 @@ impl Autosave {
     /// If the folder cannot be written.
     pub fn start(folder: &Path, every: f64) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
+        remove_left(folder);
+        remove_locks(folder);
         // Numbers of processes come again, and one process may keep several sets.
         for n in 0..u32::MAX {
             let process = format!("{}-{n}", std::process::id());
             let path = folder.join(format!("{process}.lock"));
-            let lock = File::options().create(true).truncate(false).write(true).open(path)?;
-            if lock.try_lock().is_ok() && copies_of(folder, &process).is_empty() {
+            let lock = File::options().create(true).truncate(false).write(true).open(&path)?;
+            // Another program may have removed it as one that was left.
+            if lock.try_lock().is_ok() && path.exists() && copies_of(folder, &process).is_empty() {
                 let folder = folder.to_owned();
                 return Ok(Self { folder, process, every, last: 0.0, written: BTreeMap::new(), _lock: lock });
             }
@@ -50,15 +54,19 @@ impl Autosave {
 
     /// Whether the copies are to be [updated](Self::update) `now` (s). If so, the time counts anew.
     pub fn is_due(&mut self, now: f64) -> bool {
-        let is_due = now - self.last >= self.every;
+        let is_due = self.due_in(now) <= 0.0;
         if is_due {
             self.last = now;
         }
         is_due
     }
 
+    /// Time until the copies are due (s), seen from `now` (s).
+    pub fn due_in(&self, now: f64) -> f64 {
+        self.every - (now - self.last)
+    }
+
     /// Writes a copy if `document` has unsaved work that the copy lacks, and removes the copy if it has none.
-    /// Parameters that are not possible, for example while a number is typed, leave the copy as it was.
     ///
     /// # Errors
     /// [`FileError`]; the former copy stays.
@@ -73,10 +81,8 @@ impl Autosave {
             return Ok(());
         }
         let copy = self.copy(kind);
-        if let Some(text) = document.copy(&copy)? {
-            write_text(&copy, &text, LARGEST_PROJECT)?;
-            self.written.insert(kind, revision);
-        }
+        write_text(&copy, &document.copy(&copy)?, LARGEST_PROJECT)?;
+        self.written.insert(kind, revision);
         Ok(())
     }
 
@@ -105,6 +111,21 @@ impl Drop for Autosave {
         // A copy that is still there stays with its lock file, to be found and recovered.
         if copies_of(&self.folder, &self.process).is_empty() {
             let _ = std::fs::remove_file(self.folder.join(format!("{}.lock", self.process)));
+        }
+    }
+}
+
+/// Removes the locks in `folder` of programs that ended without a copy.
+fn remove_locks(folder: &Path) {
+    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        let process =
+            path.file_stem().and_then(|stem| stem.to_str()).filter(|_| path.extension().is_some_and(|e| e == "lock"));
+        let Some(process) = process else { continue };
+        if let Ok(file) = File::options().write(true).open(&path)
+            && file.try_lock().is_ok()
+            && copies_of(folder, process).is_empty()
+        {
+            let _ = std::fs::remove_file(&path);
         }
     }
 }
@@ -154,7 +175,7 @@ impl Recovery {
             return None;
         }
         // One that is damaged is offered too: opening it says what is wrong.
-        let CopyNote { file, part } = note_of(&copy).unwrap_or_default();
+        let CopyNote { file, part, .. } = note_of(&copy).unwrap_or_default();
         Some(Self { copy, kind, part, file })
     }
 
@@ -174,7 +195,8 @@ impl Recovery {
     /// # Errors
     /// [`FileError`] if the copy cannot be read.
     pub fn open<P: Params>(&self) -> Result<Document<P>, FileError> {
-        Ok(Document::recovered(Project::read(&self.copy)?, self.file.clone()))
+        let (project, note) = Project::read_copy(&self.copy)?;
+        Ok(Document::recovered(project, note))
     }
 
     /// The copy itself.

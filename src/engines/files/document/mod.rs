@@ -4,6 +4,7 @@
 pub mod autosave;
 pub mod history;
 pub mod project;
+pub mod saving;
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -16,8 +17,10 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::document::history::History;
+use crate::paths::{absolute, check_name};
 use crate::{FileError, Invalid, Validate};
 use project::{CopyNote, Project};
+use saving::Saving;
 
 /// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept`
 /// or `autosave`, which are the project file's own.
@@ -62,6 +65,9 @@ pub trait AnyDocument {
     /// The project file, if there is one.
     fn file(&self) -> Option<&Path>;
 
+    /// The files in the parameters, each once.
+    fn files(&self) -> Vec<PathBuf>;
+
     /// Whether there are unsaved changes.
     fn is_unsaved(&self) -> bool;
 
@@ -77,17 +83,33 @@ pub trait AnyDocument {
     /// Undoes the last step, or does `again` the step undone last. Returns whether there was one.
     fn undo(&mut self, again: bool) -> bool;
 
-    /// Saves as `file`, which becomes the document's own.
+    /// The present work as it is to be written to `file`, in any thread. [`Self::end_saving`] follows once it is
+    /// written.
+    ///
+    /// # Errors
+    /// [`FileError`] if the work could not be read again.
+    fn begin_saving(&mut self, file: &Path) -> Result<Saving, FileError>;
+
+    /// Notes that `saving` was written: its file becomes the document's own, and the work as it was then is saved.
+    /// Nothing changes if `saving` is not the one begun last.
+    fn end_saving(&mut self, saving: &Saving);
+
+    /// Saves as `file`, whatever that holds. The file becomes the document's own.
     ///
     /// # Errors
     /// [`FileError`]; a former file then stays.
-    fn save_as(&mut self, file: &Path) -> Result<(), FileError>;
+    fn save_as(&mut self, file: &Path) -> Result<(), FileError> {
+        let saving = self.begin_saving(file)?;
+        saving.write(true)?;
+        self.end_saving(&saving);
+        Ok(())
+    }
 
-    /// Text of a copy of the work, to be kept at `copy`; none while the parameters are not possible.
+    /// Text of a copy of the work, to be kept at `copy`, also while the parameters are not possible.
     ///
     /// # Errors
     /// [`FileError`].
-    fn copy(&self, copy: &Path) -> Result<Option<String>, FileError>;
+    fn copy(&self, copy: &Path) -> Result<String, FileError>;
 }
 
 /// A file in the parameters with the digest of what was read from it.
@@ -117,6 +139,10 @@ pub struct Document<P> {
     problem: OnceLock<Option<Invalid>>,
     history: History<P>,
     file: Option<PathBuf>,
+    /// SHA-256 of the file as it was read or saved last; none without a file.
+    file_sha256: Option<String>,
+    /// What is being saved: number of the saving, parameters and kept content.
+    saving: Option<(u64, P, BTreeMap<String, String>)>,
     /// Parameters in the file, or those of a new document; none if no file holds the work.
     saved: Option<P>,
     files: Vec<PartFile>,
@@ -150,6 +176,8 @@ impl<P: Params> Document<P> {
             problem,
             history,
             file,
+            file_sha256: None,
+            saving: None,
             saved,
             files,
             results,
@@ -166,7 +194,9 @@ impl<P: Params> Document<P> {
     /// # Errors
     /// [`FileError`], also of a file of another workspace or of a newer program.
     pub fn open(file: &Path) -> Result<Self, FileError> {
-        Ok(Self::of(Project::read(file)?, Some(file.to_owned())))
+        let text = project::text_of(file)?;
+        let read = Self::of(Project::parse(&text, file)?, Some(file.to_owned()));
+        Ok(Self { file_sha256: Some(sha256(text.as_bytes())), ..read })
     }
 
     /// The document in the text of a project, such as a built-in one. Paths are relative to `folder`.
@@ -177,15 +207,15 @@ impl<P: Params> Document<P> {
         Ok(Self::of(Project::parse(text, &folder.join("project"))?, None))
     }
 
-    /// A document from a copy of unsaved work, to be saved as `file`.
-    pub(crate) fn recovered(project: Project<P>, file: Option<PathBuf>) -> Self {
-        Self { saved: None, ..Self::of(project, file) }
+    /// A document from a copy of unsaved work, to be saved as the file that `note` names.
+    pub(crate) fn recovered(project: Project<P>, note: CopyNote) -> Self {
+        Self { saved: None, file_sha256: note.sha256, ..Self::of(project, note.file) }
     }
 
     /// A copy of the document without a file.
     #[must_use]
     pub fn detached(&self) -> Self {
-        Self { file: None, ..self.clone() }
+        Self { file: None, file_sha256: None, saving: None, ..self.clone() }
     }
 
     /// The parameters.
@@ -284,7 +314,7 @@ impl<P: Params> Document<P> {
     /// The files in the parameters that are gone, or whose content differs from the noted digest.
     pub fn moved_files(&self) -> Vec<MovedFile> {
         let mut moved = Vec::new();
-        for path in used(&self.params) {
+        for path in files_in(&self.params) {
             let known = self.files.iter().find(|file| file.path == path);
             match (path.is_file(), known) {
                 (false, _) => moved.push(MovedFile { path, is_changed: false }),
@@ -324,7 +354,7 @@ impl<P: Params> Document<P> {
 
     /// Content of the document's project file.
     pub(crate) fn project(&self) -> Project<P> {
-        let used = used(&self.params);
+        let used = files_in(&self.params);
         Project {
             params: self.params.clone(),
             files: self.files.iter().filter(|file| used.contains(&file.path)).cloned().collect(),
@@ -346,6 +376,10 @@ impl<P: Params> AnyDocument for Document<P> {
 
     fn file(&self) -> Option<&Path> {
         self.file.as_deref()
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        files_in(&self.params)
     }
 
     fn is_unsaved(&self) -> bool {
@@ -372,19 +406,25 @@ impl<P: Params> AnyDocument for Document<P> {
         true
     }
 
-    fn save_as(&mut self, file: &Path) -> Result<(), FileError> {
-        self.project().write(file)?;
-        (self.file, self.saved) = (Some(file.to_owned()), Some(self.params.clone()));
-        self.saved_kept = self.kept.clone();
-        Ok(())
+    fn begin_saving(&mut self, file: &Path) -> Result<Saving, FileError> {
+        check_name(file)?;
+        let text = self.project().text(file, None)?;
+        let known = self.file_sha256.clone().filter(|_| self.file.as_deref() == Some(file));
+        let number = next_revision();
+        self.saving = Some((number, self.params.clone(), self.kept.clone()));
+        Ok(Saving { file: file.to_owned(), text, known, number })
     }
 
-    fn copy(&self, copy: &Path) -> Result<Option<String>, FileError> {
-        if self.problem().is_some() {
-            return Ok(None);
+    fn end_saving(&mut self, saving: &Saving) {
+        if let Some((_, params, kept)) = self.saving.take_if(|(number, ..)| *number == saving.number) {
+            (self.file, self.file_sha256) = (Some(saving.file.clone()), Some(saving.sha256()));
+            (self.saved, self.saved_kept) = (Some(params), kept);
         }
-        let note = CopyNote { file: self.file.clone(), part: self.params.part() };
-        self.project().text(copy, Some(note)).map(Some)
+    }
+
+    fn copy(&self, copy: &Path) -> Result<String, FileError> {
+        let (file, sha256) = (self.file.as_deref().map(absolute), self.file_sha256.clone());
+        self.project().text(copy, Some(CopyNote { file, sha256, part: self.params.part() }))
     }
 }
 
@@ -402,7 +442,7 @@ fn note(all: &mut BTreeMap<String, String>, name: &str, content: Option<String>)
 }
 
 /// The files in `params`, each once.
-fn used(params: &impl Params) -> Vec<PathBuf> {
+pub fn files_in(params: &impl Params) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = Vec::new();
     params.clone().change_paths(&mut |path| {
         if !paths.iter().any(|known| known == path) {

@@ -56,6 +56,9 @@ pub struct Project<P> {
 pub struct CopyNote {
     /// The project file that it was to be saved in, if it had one.
     pub file: Option<PathBuf>,
+    /// SHA-256 of that file as it was read or saved last.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
     /// What the part is called.
     pub part: String,
 }
@@ -97,8 +100,13 @@ pub fn kind_of(file: &Path) -> Result<String, FileError> {
     if let Some(kind) = root.get_ref().get("kind").and_then(|kind| kind.get_ref().as_str()) {
         return Ok(kind.to_owned());
     }
-    let text = read_text(file, "project", LARGEST_PROJECT)?;
+    let text = text_of(file)?;
     split(&text, file).map(|(kind, ..)| kind)
+}
+
+/// The text of the project in `file`.
+pub(super) fn text_of(file: &Path) -> Result<String, FileError> {
+    read_text(file, "project", LARGEST_PROJECT)
 }
 
 /// What a copy of unsaved work says of itself, which it does at its end.
@@ -164,19 +172,28 @@ fn split<'a>(text: &'a str, file: &Path) -> Result<(String, Tail, Deserializer<'
 }
 
 impl<P: Params> Project<P> {
-    /// Reads a project file of the workspace of `P`.
+    /// Reads a copy of unsaved work, whose parameters need not be possible.
     ///
     /// # Errors
     /// [`FileError`] with line and key where they are known.
-    pub fn read(file: &Path) -> Result<Self, FileError> {
-        Self::parse(&read_text(file, "project", LARGEST_PROJECT)?, file)
+    pub(super) fn read_copy(file: &Path) -> Result<(Self, CopyNote), FileError> {
+        let (project, note) = Self::parse_any(&text_of(file)?, file)?;
+        Ok((project, note.unwrap_or_default()))
     }
 
     /// The project in `text`, which is that of `file`.
     ///
     /// # Errors
-    /// Every error of [`read`](Self::read).
+    /// [`FileError`] with line and key where they are known.
     pub fn parse(text: &str, file: &Path) -> Result<Self, FileError> {
+        let (project, _) = Self::parse_any(text, file)?;
+        // Last, as validation may look into the files that are named.
+        project.params.validate().map_err(|problem| FileError::placed(file, text, problem))?;
+        Ok(project)
+    }
+
+    /// The project in `text`, whose parameters need not be possible.
+    fn parse_any(text: &str, file: &Path) -> Result<(Self, Option<CopyNote>), FileError> {
         let (kind, tail, params) = split(text, file)?;
         if kind != P::KIND {
             let remedy = format!("must be \"{}\" here", P::KIND);
@@ -187,10 +204,8 @@ impl<P: Params> Project<P> {
         let seen = |path: &Path| without_detours(&folder.join(path));
         params.change_paths(&mut |path| seen(path));
         params.complete(&keys_in(text)).map_err(|problem| FileError::placed(file, text, problem))?;
-        // Last, as validation may look into the files that are named.
-        params.validate().map_err(|problem| FileError::placed(file, text, problem))?;
         let files = tail.files.into_iter().map(|part| PartFile { path: seen(&part.path), ..part }).collect();
-        Ok(Self { params, files, results: tail.results, kept: tail.kept })
+        Ok((Self { params, files, results: tail.results, kept: tail.kept }, tail.autosave))
     }
 
     /// Writes the project file.
@@ -201,9 +216,11 @@ impl<P: Params> Project<P> {
         write_text(file, &self.text(file, None)?, LARGEST_PROJECT)
     }
 
-    /// The text of the project, to lie at `file`.
+    /// The text of the project, to lie at `file`. Only those of a copy, which says so in a note, need not be possible.
     pub(super) fn text(&self, file: &Path, autosave: Option<CopyNote>) -> Result<String, FileError> {
-        self.params.validate().map_err(|problem| FileError::invalid(file, problem))?;
+        if autosave.is_none() {
+            self.params.validate().map_err(|problem| FileError::invalid(file, problem))?;
+        }
         let folder = folder_of(file);
         let mut params = self.params.clone();
         params.change_paths(&mut |path| relative(path, &folder));

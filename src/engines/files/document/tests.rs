@@ -284,10 +284,6 @@ fn unsaved_work_is_found_after_its_program_is_gone_but_not_before() {
         })
         .unwrap();
     assert_eq!(Recovery::find(&copies), [], "its program is alive");
-    // A number that is being typed leaves the copy as it was.
-    let mut typing = document.clone();
-    typing.edit("Tolerance", with(&typing, 0.0), false);
-    autosave.update(&typing).unwrap();
     drop(autosave);
     let found = Recovery::find(&copies);
     let titles: Vec<String> = found.iter().map(Recovery::title).collect();
@@ -325,6 +321,92 @@ fn saved_work_leaves_no_copy_and_unsaved_work_knows_its_file() {
     autosave.discard("mold");
     drop(autosave);
     assert_eq!(fs::read_dir(&copies).unwrap().count(), 0);
+}
+
+/// Work is not lost because a number in it is wrong.
+#[test]
+fn parameters_that_are_not_possible_are_kept_in_a_copy_but_in_no_project() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut autosave = start(folder.path());
+    let mut document = unsaved(0.5);
+    document.edit("Tolerance", with(&document, 0.0), false);
+    autosave.update(&document).unwrap();
+    drop(autosave);
+    let [found] = &Recovery::find(folder.path())[..] else { panic!("one copy") };
+    let recovered: Document<Mold> = found.open().unwrap();
+    assert!(recovered.params() == document.params() && recovered.problem().is_some());
+    assert!(Document::<Mold>::open(found.copy()).is_err(), "as a project it is refused");
+    assert!(document.save_as(&folder.path().join("a.sparkpath")).is_err());
+}
+
+#[test]
+fn programs_that_were_killed_leave_no_locks_and_no_temporary_files_for_ever() {
+    let folder = tempfile::tempdir().unwrap();
+    let alive = start(folder.path());
+    let names = ["1-0.lock", "2-0.lock", "2-0.mold.sparkpath", ".sparkpath-a.part"];
+    names.iter().for_each(|name| fs::write(folder.path().join(name), "").unwrap());
+    let minutes_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(300);
+    fs::File::options().write(true).open(folder.path().join(names[3])).unwrap().set_modified(minutes_ago).unwrap();
+    let other = start(folder.path());
+    let mut left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    let are_kept = names[1..3].iter().all(|name| left.iter().any(|left| left == name));
+    left.retain(|name| !names.iter().any(|known| name == known));
+    assert!(are_kept && left.len() == 2, "a copy with its lock, and two locks of the living: {left:?}");
+    drop((alive, other));
+}
+
+#[test]
+fn a_file_that_another_program_has_changed_is_replaced_only_on_purpose() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mine.sparkpath");
+    let save = |document: &mut Document<Mold>| {
+        let saving = document.begin_saving(&file)?;
+        saving.write(false).map(|()| document.end_saving(&saving))
+    };
+    let mut first = unsaved(0.5);
+    save(&mut first).unwrap();
+    let mut second = Document::<Mold>::open(&file).unwrap();
+    first.edit("Tolerance", with(&first, 0.6), false);
+    second.edit("Tolerance", with(&second, 0.7), false);
+    save(&mut first).unwrap();
+    // Recovered work knows what it began with.
+    let mut autosave = start(&folder.path().join("copies"));
+    autosave.update(&second).unwrap();
+    drop(autosave);
+    let mut recovered: Document<Mold> = Recovery::find(&folder.path().join("copies"))[0].open().unwrap();
+    for document in [&mut second, &mut recovered] {
+        let refused = save(document).unwrap_err();
+        assert!(refused.is_changed() && document.is_unsaved(), "{refused}");
+        assert_eq!(Document::<Mold>::open(&file).unwrap().params().tolerance_mm, 0.6);
+    }
+    second.save_as(&file).unwrap();
+    second.edit("Tolerance", with(&second, 0.8), false);
+    save(&mut second).unwrap();
+    assert!(save(&mut first).unwrap_err().is_changed());
+    // Nothing is lost where the file is gone, or is what would be written.
+    let saving = first.begin_saving(&file).unwrap();
+    fs::write(&file, &saving.text).unwrap();
+    saving.write(false).unwrap();
+    fs::remove_file(&file).unwrap();
+    save(&mut first).unwrap();
+}
+
+#[test]
+fn work_done_while_a_file_is_written_is_unsaved() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mine.sparkpath");
+    let mut document = unsaved(0.5);
+    let saving = document.begin_saving(&file).unwrap();
+    document.edit("Tolerance", with(&document, 0.6), false);
+    saving.write(false).unwrap();
+    document.end_saving(&saving);
+    assert!(document.is_unsaved() && document.file() == Some(&*file));
+    document.undo(false);
+    assert!(!document.is_unsaved());
+    // A document that came meanwhile is not the one that was saved.
+    let mut other = unsaved(0.7);
+    other.end_saving(&saving);
+    assert!(other.is_unsaved() && other.file().is_none());
 }
 
 #[test]

@@ -28,7 +28,8 @@ use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::residual_stock::MapShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
-use files::{PartFile, Validate as _};
+use crate::workspaces::opening::await_drives;
+use files::{PartFile, Validate as _, files_in};
 pub use looks::ElectrodeTable;
 use looks::Looks;
 use measured::MeasuredKey;
@@ -264,7 +265,10 @@ impl BliskWork {
     fn follow_early_stages(&mut self) {
         let (Some(now), priority) = (&self.now, self.priority) else { return };
         let job = now.job.clone();
-        self.part.ask(&now.part, priority, move |work| stages::load(&job, &work.task));
+        self.part.ask(&now.part, priority, move |work| {
+            await_drives(&files_in(&*job), &work.task)?;
+            stages::load(&job, &work.task)
+        });
         let Some(part) = self.part.get(&now.part) else { return };
         let (job, of) = (now.job.clone(), part.clone());
         self.channel.ask(&now.channel, priority, move |work| {

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use files::patience::{Found, look_at};
+
 /// Endings of names by which the lower and the upper guide of one flank are told.
 const ENDINGS: [[&str; 2]; 4] = [["lower", "upper"], ["bottom", "top"], ["low", "up"], ["l", "u"]];
 /// Name before such an ending.
@@ -15,7 +17,7 @@ pub fn is_points_file(path: &Path) -> bool {
 /// Both guides of a flank, one of which is `file`, if the other one lies beside it under its name: `A_lower.csv` and
 /// `A_upper.csv`.
 pub fn pair(file: &Path) -> Option<[PathBuf; 2]> {
-    let other = |from: usize| other(file, from).filter(|path| path.is_file());
+    let other = |from: usize| other(file, from).filter(|path| matches!(look_at(path), Ok(Found::File)));
     if let Some(upper) = other(0) {
         return Some([file.to_owned(), upper]);
     }

@@ -9,7 +9,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use files::{PartFile, Validate};
+use files::{PartFile, Validate, files_in};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
@@ -21,6 +21,7 @@ use crate::workspaces::flank::export;
 pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
 use crate::workspaces::flank::inputs::{FromFile, walls_unit};
 use crate::workspaces::news::{EventKind, WorkEvent};
+use crate::workspaces::opening::await_drives;
 pub use curves::{AxisCurve, MachineCurves, Profile};
 use geometry::mesh::Mesh;
 use import::Unit;
@@ -127,10 +128,17 @@ impl FlankWork {
     fn load(&mut self, document: &FlankDocument) {
         let key = self.source_key(document);
         let source = key.0.clone();
-        self.source.ask(&key, self.priority, move |work| steps::load(&source, &work.task));
+        let (named, also_named) = (files_in(document), files_in(document));
+        self.source.ask(&key, self.priority, move |work| {
+            await_drives(&named, &work.task)?;
+            steps::load(&source, &work.task)
+        });
         let Some(key) = self.walls_key(document) else { return };
         let (walls, unit) = (key.0.clone(), key.1);
-        self.walls.ask(&key, self.priority, move |work| steps::load_walls(&walls, unit, &work.task));
+        self.walls.ask(&key, self.priority, move |work| {
+            await_drives(&also_named, &work.task)?;
+            steps::load_walls(&walls, unit, &work.task)
+        });
     }
 
     fn source_key(&self, document: &FlankDocument) -> SourceKey {

@@ -19,6 +19,7 @@ use crate::workspaces::mold::job::electrodes::timed;
 use crate::workspaces::mold::job::uncut::UncutParams;
 use crate::workspaces::mold::report::uncut::ComparisonReport;
 use crate::workspaces::news::{EventKind, WorkEvent};
+use crate::workspaces::opening::await_drives;
 pub use design::Designed;
 use electrode_export::{Exported, export};
 use files::ResultCache;
@@ -185,7 +186,10 @@ impl MoldWork {
         match key.0.clone() {
             Some(path) => {
                 let reading = key.1.clone();
-                self.mold.ask(&key, self.priority, move |work| steps::load(&path, &reading, &work.task));
+                self.mold.ask(&key, self.priority, move |work| {
+                    await_drives(std::slice::from_ref(&path), &work.task)?;
+                    steps::load(&path, &reading, &work.task)
+                });
             }
             None if self.priority == Priority::Shown => {
                 self.mold.ask(&key, self.priority, |work| steps::load_demonstration(&work.task));
