@@ -19,7 +19,7 @@ pub enum Source<P> {
     /// A copy of unsaved work.
     Copy(Recovery),
     /// A document that is there already.
-    There(Document<P>),
+    There(Box<Document<P>>),
 }
 
 /// A document that was read, with the content of its files.
@@ -104,7 +104,7 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
             let (file, copy, document) = match source {
                 Source::Project(file) => (Some(file.clone()), None, Document::open(&file)),
                 Source::Copy(copy) => (None, Some(copy.clone()), copy.open()),
-                Source::There(document) => (document.file().map(Path::to_owned), None, Ok(document)),
+                Source::There(document) => (document.file().map(Path::to_owned), None, Ok(*document)),
             };
             let document = match document {
                 Ok(document) => document,

@@ -476,7 +476,7 @@ impl Workspace for BliskWorkspace {
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
             Some(Pending::Open(path)) if is_project(&path) => self.begin(Source::Project(path)),
-            Some(Pending::Open(path)) => self.begin(Source::There(Document::new(PlanJob::for_mesh(&path)))),
+            Some(Pending::Open(path)) => self.begin(Source::There(Box::new(Document::new(PlanJob::for_mesh(&path))))),
             Some(Pending::AskOpen) => cx.ask(BliskPath::Open, ""),
             Some(Pending::Demonstration) => self.replace(demonstration(), None, cx),
             Some(Pending::Take(opened)) => self.take(&opened, cx),
@@ -513,7 +513,8 @@ impl Workspace for BliskWorkspace {
             Some(BliskPath::TechnologyCopy) if self.technology.write_copy(&path, cx) => self.take_technology(&path, cx),
             Some(BliskPath::TechnologyCopy) => {}
             Some(BliskPath::MovedFile) => {
-                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+                let found = self.opening.moved.found(&path, cx);
+                found.into_iter().for_each(|found| self.begin(Source::There(Box::new(found))));
             }
             None => {}
         }
@@ -526,7 +527,7 @@ impl Workspace for BliskWorkspace {
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
         if self.opening.moved.is_asking() {
             let opened = self.opening.moved.dialog(ui, cx, BliskPath::MovedFile);
-            opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+            opened.into_iter().for_each(|document| self.begin(Source::There(Box::new(document))));
             return !self.opening.moved.is_asking();
         }
         match dialogs::export(ui, &mut self.desk) {

@@ -201,7 +201,8 @@ impl FlankWorkspace {
             },
             FlankPath::Folder => self.export(&path, cx),
             FlankPath::MovedFile => {
-                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+                let found = self.opening.moved.found(&path, cx);
+                found.into_iter().for_each(|found| self.begin(Source::There(Box::new(found))));
             }
         }
     }
@@ -380,7 +381,7 @@ impl Workspace for FlankWorkspace {
         match self.opening.pending.take() {
             Some(Pending::Open(path)) => self.begin(Source::Project(path)),
             Some(Pending::Surface(source)) => {
-                self.begin(Source::There(Document::new(self.desk.params().of_another(source))));
+                self.begin(Source::There(Box::new(Document::new(self.desk.params().of_another(source)))));
             }
             Some(Pending::Ask(what)) => cx.ask(what, ""),
             Some(Pending::Take(opened)) => self.put(&opened, cx),
@@ -412,7 +413,7 @@ impl Workspace for FlankWorkspace {
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
         if self.opening.moved.is_asking() {
             let opened = self.opening.moved.dialog(ui, cx, FlankPath::MovedFile);
-            opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+            opened.into_iter().for_each(|document| self.begin(Source::There(Box::new(document))));
             return !self.opening.moved.is_asking();
         }
         match export::show(ui, &mut self.desk, cx) {

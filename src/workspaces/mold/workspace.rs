@@ -97,7 +97,7 @@ impl MoldWorkspace {
 
     /// Source of the mold at `path`, a project or a mesh.
     fn source(&self, path: &Path) -> Source<MoldParams> {
-        if is_project(path) { Source::Project(path.to_owned()) } else { Source::There(self.desk.begun(path)) }
+        if is_project(path) { Source::Project(path.to_owned()) } else { Source::There(Box::new(self.desk.begun(path))) }
     }
 
     /// Replaces the present mold by `document`, with its mesh if that was read.
@@ -374,7 +374,7 @@ impl Workspace for MoldWorkspace {
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
         match self.source(path) {
-            Source::There(document) => self.take(document, None, cx),
+            Source::There(document) => self.take(*document, None, cx),
             project => self.begin(project),
         }
     }
@@ -410,7 +410,7 @@ impl Workspace for MoldWorkspace {
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
         let opened = self.opening.moved.dialog(ui, cx, MoldPath::MovedFile);
-        opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+        opened.into_iter().for_each(|document| self.begin(Source::There(Box::new(document))));
         !self.opening.moved.is_asking()
     }
 
@@ -424,7 +424,8 @@ impl Workspace for MoldWorkspace {
         match MoldPath::at(number) {
             Some(MoldPath::Open) => self.go_on(Pending::Open(path), cx),
             Some(MoldPath::MovedFile) => {
-                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+                let found = self.opening.moved.found(&path, cx);
+                found.into_iter().for_each(|found| self.begin(Source::There(Box::new(found))));
             }
             Some(MoldPath::Cutters) => self.load_cutters(&path, false, cx),
             Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
