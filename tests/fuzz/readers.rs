@@ -4,7 +4,7 @@ use std::path::Path;
 
 use import::{ImportLimits, ImportOptions, Units, import_bytes};
 use nc::template::{JobSheet, Template, Templated};
-use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::{job_file::PlanJob, machine_file};
 use sparkpath::workspaces::flank::document::FlankDocument;
 use sparkpath::workspaces::mold::document::MoldParams;
 use task::Task;
@@ -154,7 +154,8 @@ pub fn projects_of_molds() -> Target {
 }
 
 pub fn projects_of_flanks() -> Target {
-    texts(400, ["kind = \"flank\"\n[surface]\nside = \"positive\"\n[cutter]\n"], project::<FlankDocument>)
+    let every_key = toml::to_string(&FlankDocument::default()).unwrap();
+    texts(400, [format!("kind = \"flank\"\n{every_key}")], project::<FlankDocument>)
 }
 
 pub fn jobs() -> Target {
@@ -166,12 +167,10 @@ pub fn jobs() -> Target {
     })
 }
 
-const URDF: &str = r#"<robot name="m"><link name="base"/><link name="x"><collision><geometry><box size="1 2 3"/></geometry></collision></link>
-<joint name="X" type="prismatic"><parent link="base"/><child link="x"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"#;
-
 fn machine(file: &Path) -> bool {
     let file = file.display().to_string();
-    told(sparkpath::workspaces::blisk::document::machine_file::read_machine(&file, &Task::default())).is_some()
+    let has_axes = told(machine_file::machine_table(&file)).is_some();
+    told(machine_file::read_machine(&file, &Task::default())).is_some() && has_axes
 }
 
 pub fn machines() -> Target {
@@ -180,7 +179,7 @@ pub fn machines() -> Target {
 }
 
 pub fn machines_of_robots() -> Target {
-    paths(500, "urdf", [URDF], machine)
+    paths(500, "urdf", [include_str!("../data/machine.urdf")], machine)
 }
 
 pub fn milling_machines() -> Target {
