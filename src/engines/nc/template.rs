@@ -18,7 +18,7 @@ use std::time::Duration;
 
 use files::{FileError, read_text};
 use minijinja::syntax::SyntaxConfig;
-use minijinja::value::{Kwargs, Rest, Serde, Value};
+use minijinja::value::{Kwargs, Rest, Serde, Value, ValueOrKwargs};
 use minijinja::{AutoEscape, Environment, Error, ErrorKind, State, UndefinedBehavior, filters};
 use serde::Serialize;
 
@@ -210,8 +210,10 @@ impl<T: Templated> Template<T> {
             ("indent", Value::from_function(filters::indent), 1),
             ("slice", Value::from_function(filters::slice), 1),
         ] {
-            environment.add_filter(name, move |state: &mut State, given: Rest<Value>| {
-                given.get(place).map_or(Ok(()), narrow)?;
+            environment.add_filter(name, move |state: &mut State, given: Rest<ValueOrKwargs>| {
+                let given = given.into_values();
+                let says_how_much = |i, value: &Value| i == place || place > 0 && value.is_kwargs();
+                given.iter().enumerate().filter(|(i, v)| says_how_much(*i, v)).try_for_each(|(_, v)| narrow(v))?;
                 of_jinja.call(state, &given)
             });
         }
@@ -527,6 +529,7 @@ mod tests {
         for filter in [
             "'a'|indent(999999999999)",
             "'a'|indent(width=999999999999)",
+            "'a'|indent(none, true, width=999999999999)",
             "'%999999999999d'|format(1)",
             "'%.999999999999f'|format(1)",
             "'%99999999999999999999d'|format(1)",
@@ -536,8 +539,13 @@ mod tests {
             let error = render(&table(), &format!("{{{{ {filter} }}}}"), "mine").unwrap_err().to_string();
             assert!(error.contains("is too many, at most 1000 are written"), "{filter}: {error}");
         }
-        let usual = "{{ 'a\nb'|indent(2) }} {{ '%5.1f|%d'|format(1.25, 123456) }} {{ [1, 2, 3]|batch(2, 0)|list }}";
-        assert_eq!(render(&table(), usual, "mine").unwrap(), "a\n  b   1.2|123456 [[1, 2], [3, 0]]");
+        for (usual, text) in [
+            ("{{ '2000\\n3000'|indent(width=2) }}", "2000\n  3000"),
+            ("{{ '%5.1f|%d'|format(1.25, 123456) }}", "  1.2|123456"),
+            ("{{ [1, 2, 3]|batch(2, 5000)|list }}", "[[1, 2], [3, 5000]]"),
+        ] {
+            assert_eq!(render(&table(), usual, "mine").unwrap(), text);
+        }
     }
 
     /// The keys of values and of what is in them.
