@@ -7,14 +7,17 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{limits, mutate};
 
+/// Whether an input is answered, not refused; panics where something is wrong.
+type Check = dyn Fn(&[u8]) -> bool + Send + Sync;
+
 /// A reader or an engine, and how it is tried.
 pub struct Target {
     /// Number of inputs of chance of the ordinary test.
     pub inputs: u64,
     /// Files to change; none where the bytes of an input are those that a part is made of.
     pub seeds: Vec<Vec<u8>>,
-    /// Whether the input is answered, not refused; panics where something is wrong.
-    pub check: Box<dyn Fn(&[u8]) -> bool + Send + Sync>,
+    /// What is tried.
+    pub check: Box<Check>,
 }
 
 impl Target {
@@ -28,16 +31,11 @@ impl Target {
         self.seeds.iter().cloned().chain(kept).chain(changed)
     }
 
-    /// Whether `input` is answered, not refused.
-    pub fn holds(&self, input: &[u8]) -> bool {
-        (self.check)(input)
-    }
-
     /// Tries every ordinary input.
     pub fn test(&self, name: &str) {
         let mut answered = 0;
         for (n, input) in self.ordinary_inputs(name).enumerate() {
-            if let Err(why) = limits::within(|| answered += u32::from(self.holds(&input))) {
+            if let Err(why) = limits::within(|| answered += u32::from((self.check)(&input))) {
                 let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{n}"));
                 std::fs::write(&file, &input).unwrap();
                 panic!("input {n}, which is written to {}: {why}", file.display());
