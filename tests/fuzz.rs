@@ -1,9 +1,14 @@
 //! Readers and engines on input that nobody would make on purpose: files that were cut, mixed and overwritten, and parts that are
 //! valid but nasty. Whatever they are given, they answer, soon, and within their memory.
 //!
-//! With `FUZZ_SECONDS` in the environment every test takes inputs for so long instead of a number of its own, with `FUZZ_SEED` other
-//! inputs: `scripts/fuzz HOURS`. `FUZZ_INPUT` is the number of a single input, which is shown as a whole.
+//! The ordinary tests take a fixed number of inputs and those of `tests/data/fuzz`. `scripts/fuzz` has libFuzzer make inputs by the
+//! coverage of the code; a file that it finds something with is tried again by the ordinary tests where it is put into
+//! `tests/data/fuzz/NAME OF THE TEST`.
+#![cfg_attr(fuzzing, no_main)]
 
+#[cfg(fuzzing)]
+#[path = "fuzz/guided.rs"]
+mod guided;
 #[path = "fuzz/limits.rs"]
 mod limits;
 #[path = "common/mesh_files.rs"]
@@ -14,45 +19,49 @@ mod mutate;
 mod parts;
 #[path = "fuzz/readers.rs"]
 mod readers;
-
-use std::time::{Duration, Instant};
+#[path = "fuzz/target.rs"]
+mod target;
 
 #[global_allocator]
 static MEMORY: limits::Memory = limits::Memory;
 
-/// Number in the environment variable `name`.
-fn number(name: &str) -> Option<u64> {
-    let text = std::env::var(name).ok()?;
-    Some(text.parse().unwrap_or_else(|_| panic!("{name} is {text}: no number")))
+/// A test of each target, and the list of them.
+macro_rules! targets {
+    ($($module:ident::$name:ident,)*) => {
+        #[cfg(fuzzing)]
+        const NAMED: &[(&str, fn() -> target::Target)] = &[$((stringify!($name), $module::$name)),*];
+        $(#[test]
+        fn $name() {
+            $module::$name().test(stringify!($name));
+        })*
+    };
 }
 
-/// Runs `test` on `own` inputs of `make`, or on as many as there is time for. Input number n of a seed is the same in every run.
-fn campaign<T>(
-    own: u64,
-    make: impl Fn(&mut rand_chacha::ChaCha8Rng) -> T,
-    test: impl Fn(&T),
-    show: impl Fn(&T) -> String,
-) {
-    use rand::SeedableRng;
-    let seed = number("FUZZ_SEED").unwrap_or(0);
-    let until = number("FUZZ_SECONDS").map(|seconds| Instant::now() + Duration::from_secs(seconds));
-    let only = number("FUZZ_INPUT");
-    let goes_on = |n: u64| match (only, until) {
-        (Some(only), _) => n == only,
-        (None, Some(until)) => Instant::now() < until,
-        (None, None) => n < own,
-    };
-    let mut n = only.unwrap_or(0);
-    while goes_on(n) {
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed.wrapping_mul(1 << 32).wrapping_add(n));
-        let input = make(&mut random);
-        if only.is_some() {
-            println!("{}", show(&input));
-        }
-        if let Err(why) = limits::within(until.is_some(), || test(&input)) {
-            panic!("seed {seed}, input {n}: {why}\n{}", show(&input));
-        }
-        n += 1;
-    }
-    println!("{n} inputs of seed {seed}");
+targets! {
+    readers::meshes,
+    readers::step_files,
+    readers::points_of_scans,
+    readers::guides_of_ruled_surfaces,
+    readers::measured_sections,
+    readers::path_tables,
+    readers::projects_of_blisks,
+    readers::projects_of_molds,
+    readers::projects_of_flanks,
+    readers::jobs,
+    readers::machines,
+    readers::machines_of_robots,
+    readers::milling_machines,
+    readers::posts,
+    readers::templates_of_burn_tables,
+    readers::templates_of_job_sheets,
+    readers::libraries_of_cutters,
+    readers::lists_of_flank_cutters,
+    readers::words_for_cutters,
+    readers::lists_of_holders,
+    readers::technology_tables,
+    readers::tables_of_presets,
+    parts::wheels,
+    parts::uncut_regions_and_electrodes,
+    parts::ruled_surfaces,
+    parts::certificates,
 }

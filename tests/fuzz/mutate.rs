@@ -1,6 +1,8 @@
-//! Changes of files: of bits and bytes, of numbers in text, of whole stretches.
+//! Inputs of chance: changes of files (of bits and bytes, of numbers in text, of whole stretches), and bytes for parts.
 
-use rand::{RngExt, seq::IndexedRandom};
+use std::convert::Infallible;
+
+use rand::{Rng, RngExt, TryRng, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
 
 /// Numbers that readers stumble over.
@@ -36,14 +38,46 @@ const WORDS: [&str; 20] = [
 /// Most bytes of an input.
 const LONGEST: usize = 64 << 10;
 
-/// Any of `seeds` after one to eight changes.
-pub fn mutated(seeds: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
-    let mut bytes = seeds.choose(random).cloned().unwrap_or_default();
+/// Most bytes that a part is made of.
+pub const PART: usize = 1024;
+
+/// Any of `seeds` after one to eight changes; without seeds, bytes for a part.
+pub fn input(seeds: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
+    let Some(mut bytes) = seeds.choose(random).cloned() else {
+        let mut bytes = vec![0; PART];
+        random.fill_bytes(&mut bytes);
+        return bytes;
+    };
     for _ in 0..random.random_range(1..=8) {
         change(&mut bytes, seeds, random);
         bytes.truncate(LONGEST);
     }
     bytes
+}
+
+/// Bytes as numbers of chance; zeros follow the last of them. So a change of a byte changes one number of a part.
+pub struct Bytes<'a>(pub &'a [u8]);
+
+impl TryRng for Bytes<'_> {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        let mut bytes = [0; 4];
+        self.try_fill_bytes(&mut bytes).map(|()| u32::from_le_bytes(bytes))
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        let mut bytes = [0; 8];
+        self.try_fill_bytes(&mut bytes).map(|()| u64::from_le_bytes(bytes))
+    }
+
+    fn try_fill_bytes(&mut self, to: &mut [u8]) -> Result<(), Infallible> {
+        let (taken, left) = self.0.split_at(to.len().min(self.0.len()));
+        to[..taken.len()].copy_from_slice(taken);
+        to[taken.len()..].fill(0);
+        self.0 = left;
+        Ok(())
+    }
 }
 
 /// A stretch of `bytes`, short for the most part.
@@ -53,7 +87,8 @@ fn stretch(bytes: &[u8], random: &mut ChaCha8Rng) -> std::ops::Range<usize> {
     from..(from + random.random_range(0..=most)).min(bytes.len())
 }
 
-fn change(bytes: &mut Vec<u8>, seeds: &[Vec<u8>], random: &mut ChaCha8Rng) {
+/// Changes `bytes` in one place.
+pub fn change(bytes: &mut Vec<u8>, seeds: &[Vec<u8>], random: &mut ChaCha8Rng) {
     let at = random.random_range(0..=bytes.len());
     match random.random_range(0..12) {
         0 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),

@@ -9,17 +9,17 @@ use geometry::mesh::Mesh;
 use glam::{DMat3, DVec3};
 use mold::cutter::CutterLibrary;
 use rand::{RngExt, seq::IndexedRandom};
-use rand_chacha::ChaCha8Rng;
 use sparkpath::workspaces::mold::job::electrodes::electrodes;
 use sparkpath::workspaces::mold::job::uncut::{UncutParams, uncut};
 use task::Task;
 use wheel::channel::Surface;
 
-use super::campaign;
 use super::mesh_files::cuboid;
+use super::mutate::Bytes;
+use super::target::Target;
 
 /// A closed solid of a few faces about the origin, as large as about 1.
-fn solid(random: &mut ChaCha8Rng) -> Mesh {
+fn solid(random: &mut Bytes) -> Mesh {
     match random.random_range(0..4) {
         0 => cuboid(DVec3::new(1.0, random.random_range(1e-3..1.0), random.random_range(1e-3..1.0))),
         1 => prism(random),
@@ -40,7 +40,7 @@ fn solid(random: &mut ChaCha8Rng) -> Mesh {
 }
 
 /// A prism over a star of a few corners, which may be slivers.
-fn prism(random: &mut ChaCha8Rng) -> Mesh {
+fn prism(random: &mut Bytes) -> Mesh {
     let n = random.random_range(3..12u32);
     let ring: Vec<DVec3> = (0..n)
         .map(|i| {
@@ -68,8 +68,8 @@ fn moved(mesh: &Mesh, by: DVec3) -> Mesh {
     mesh.mapped(|p| p + by)
 }
 
-fn turn(random: &mut ChaCha8Rng) -> DMat3 {
-    let angle = |random: &mut ChaCha8Rng| match random.random_range(0..3) {
+fn turn(random: &mut Bytes) -> DMat3 {
+    let angle = |random: &mut Bytes| match random.random_range(0..3) {
         0 => 0.0,
         1 => std::f64::consts::FRAC_PI_2,
         _ => random.random_range(-3.0..3.0),
@@ -80,7 +80,7 @@ fn turn(random: &mut ChaCha8Rng) -> DMat3 {
 }
 
 /// A part with what is nasty about it.
-fn nasty(random: &mut ChaCha8Rng, sizes: std::ops::Range<f64>) -> Mesh {
+fn nasty(random: &mut Bytes, sizes: std::ops::Range<f64>) -> Mesh {
     let mut mesh = solid(random);
     for _ in 0..random.random_range(0..4) {
         match random.random_range(0..7) {
@@ -129,54 +129,75 @@ fn nasty(random: &mut ChaCha8Rng, sizes: std::ops::Range<f64>) -> Mesh {
     mesh.mapped(|p| turn * p * size + far)
 }
 
-fn shown(mesh: &Mesh) -> String {
-    format!("{mesh:?}").chars().take(6000).collect()
-}
-
-#[test]
-fn wheels_are_recognised_or_refused() {
-    let options = wheel::options::BliskOptions::default();
-    let inspect = |mesh: &Mesh| {
-        let found = wheel::inspect::inspect(mesh, None, &options, &Task::default()).unwrap();
-        assert!(found.channel.is_none() || found.not_found.is_empty(), "{found}");
+/// Tries `check` on what `make` makes of the bytes. With `FUZZ_SHOW` in the environment what is made is shown.
+fn of_made<T: std::fmt::Debug>(
+    inputs: u64,
+    make: impl Fn(&mut Bytes) -> T + Send + Sync + 'static,
+    check: impl Fn(&T) -> bool + Send + Sync + 'static,
+) -> Target {
+    let check = move |bytes: &[u8]| {
+        let made = make(&mut Bytes(bytes));
+        if std::env::var_os("FUZZ_SHOW").is_some() {
+            println!("{made:?}");
+        }
+        check(&made)
     };
-    campaign(40, |random| nasty(random, -9.0..6.0), inspect, shown);
+    Target { inputs, seeds: Vec::new(), check: Box::new(check) }
 }
 
-#[test]
-fn uncut_regions_and_electrodes_are_found_or_refused() {
+pub fn wheels() -> Target {
+    let options = wheel::options::BliskOptions::default();
+    of_made(
+        40,
+        |random| nasty(random, -9.0..6.0),
+        move |mesh: &Mesh| {
+            let found = wheel::inspect::inspect(mesh, None, &options, &Task::default()).unwrap();
+            assert!(found.channel.is_none() || found.not_found.is_empty(), "{found}");
+            true
+        },
+    )
+}
+
+pub fn uncut_regions_and_electrodes() -> Target {
     let cutter = |word: &str| word.parse().unwrap();
     let library = CutterLibrary { cutter: ["flat:1", "flat:5", "ball:1"].map(cutter).to_vec() };
-    let found = |mesh: &Mesh| {
-        let task = Task::default();
-        let Ok(left) = uncut(mesh, &UncutParams::of(library.clone()), &task) else { return };
-        assert!(left.regions.iter().all(|region| region.plan_area.is_finite() && region.plan_area >= 0.0));
-        // Thousands of electrodes take their time on any part.
-        if left.regions.len() < 20 {
-            drop(electrodes(mesh, &left, &mold::electrode::params::ElectrodeParams::default(), &task));
-        }
-    };
-    campaign(20, |random| nasty(random, -3.0..1.3), found, shown);
+    of_made(
+        20,
+        |random| nasty(random, -3.0..1.3),
+        move |mesh: &Mesh| {
+            let task = Task::default();
+            let Ok(left) = uncut(mesh, &UncutParams::of(library.clone()), &task) else { return false };
+            assert!(left.regions.iter().all(|region| region.plan_area.is_finite() && region.plan_area >= 0.0));
+            // Thousands of electrodes take their time on any part.
+            if left.regions.len() < 20 {
+                drop(electrodes(mesh, &left, &mold::electrode::params::ElectrodeParams::default(), &task));
+            }
+            true
+        },
+    )
 }
 
-#[test]
-fn ruled_surfaces_are_fitted_or_refused() {
-    let fitted = |mesh: &Mesh| {
-        let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        let params = flank::fit_ruled::RuledFitParams::default();
-        drop(flank::fit_ruled::fit_ruled(mesh, &all[..all.len() / 2], &params, &task::Cancel::default()));
-    };
-    campaign(40, |random| nasty(random, -3.0..3.0), fitted, shown);
+pub fn ruled_surfaces() -> Target {
+    of_made(
+        40,
+        |random| nasty(random, -3.0..3.0),
+        |mesh: &Mesh| {
+            let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+            let params = flank::fit_ruled::RuledFitParams::default();
+            flank::fit_ruled::fit_ruled(mesh, &all[..all.len() / 2], &params, &task::Cancel::default()).is_ok()
+        },
+    )
 }
 
 /// A blisk, an electrode and a path.
+#[derive(Debug)]
 struct Motion {
     blisk: Mesh,
     electrode: Mesh,
     path: FeedPath,
 }
 
-fn motion(random: &mut ChaCha8Rng) -> Motion {
+fn motion(random: &mut Bytes) -> Motion {
     let blisk = nasty(random, 0.0..2.0);
     let electrode = moved(&nasty(random, 0.0..1.5), DVec3::splat(random.random_range(0.0..20.0)));
     let rows = random.random_range(2..8);
@@ -184,7 +205,7 @@ fn motion(random: &mut ChaCha8Rng) -> Motion {
     let mut back: Vec<PathRow> = (0..rows)
         .map(|node| {
             let row = PathRow { node, s: node as f64, pose };
-            let step = |random: &mut ChaCha8Rng, most: f64| random.random_range(-most..most);
+            let step = |random: &mut Bytes, most: f64| random.random_range(-most..most);
             pose.x -= random.random_range(0.0..5.0);
             (pose.y, pose.z) = (pose.y + step(random, 1.0), pose.z + step(random, 1.0));
             (pose.a, pose.c) = (pose.a + step(random, 0.3), pose.c + step(random, 0.3));
@@ -207,17 +228,17 @@ fn between(from: &Pose, to: &Pose, t: f64) -> Pose {
     Pose { x: at(|p| p.x), y: at(|p| p.y), z: at(|p| p.z), a: at(|p| p.a), b: at(|p| p.b), c: at(|p| p.c) }
 }
 
-#[test]
-fn no_certificate_is_contradicted_by_a_sample() {
-    let holding = std::cell::Cell::new(0);
-    let certified = |Motion { blisk, electrode, path }: &Motion| {
+/// No certificate is contradicted by a sample.
+pub fn certificates() -> Target {
+    of_made(60, motion, |Motion { blisk, electrode, path }: &Motion| {
         let options = VerifyOptions::default();
         let surface = |_: DVec3| Surface::Hub;
-        let Ok(certificate) = verify(blisk, electrode, path, &surface, &options, &Task::default()) else { return };
+        let Ok(certificate) = verify(blisk, electrode, path, &surface, &options, &Task::default()) else {
+            return false;
+        };
         if !certificate.holds() {
-            return;
+            return false;
         }
-        holding.set(holding.get() + 1);
         let proven = certificate.certified();
         assert!(proven >= path.spark_gap - options.tolerance_mm, "{proven}");
         for rows in path.rows.windows(2) {
@@ -232,12 +253,8 @@ fn no_certificate_is_contradicted_by_a_sample() {
                 );
             }
         }
-    };
-    campaign(60, motion, certified, |motion| {
-        format!("{:?}", motion.path) + &shown(&motion.blisk) + &shown(&motion.electrode)
-    });
-    println!("{} certificates hold", holding.get());
-    assert!(holding.get() > 5, "{} certificates hold", holding.get());
+        true
+    })
 }
 
 /// Distance of two meshes by every pair of triangles (mm).

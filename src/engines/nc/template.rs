@@ -18,8 +18,8 @@ use std::time::Duration;
 
 use files::{FileError, read_text};
 use minijinja::syntax::SyntaxConfig;
-use minijinja::value::{Kwargs, Serde, Value};
-use minijinja::{AutoEscape, Environment, Error, ErrorKind, UndefinedBehavior};
+use minijinja::value::{Kwargs, Rest, Serde, Value, ValueOrKwargs};
+use minijinja::{AutoEscape, Environment, Error, ErrorKind, State, UndefinedBehavior, filters};
 use serde::Serialize;
 
 use super::burn_table::BurnTable;
@@ -203,6 +203,20 @@ impl<T: Templated> Template<T> {
         environment.add_filter("right", |text: String, width: usize| {
             within(width, WIDEST).map(|width| format!("{text:>width$}"))
         });
+        // Filters of Jinja that make as much as a number says, which steps do not tell; where it stands in what they are given.
+        for (name, of_jinja, place) in [
+            ("batch", Value::from_function(filters::batch), 1),
+            ("format", Value::from_function(filters::format), 0),
+            ("indent", Value::from_function(filters::indent), 1),
+            ("slice", Value::from_function(filters::slice), 1),
+        ] {
+            environment.add_filter(name, move |state: &mut State, given: Rest<ValueOrKwargs>| {
+                let given = given.into_values();
+                let says_how_much = |i, value: &Value| i == place || place > 0 && value.is_kwargs();
+                given.iter().enumerate().filter(|(i, v)| says_how_much(*i, v)).try_for_each(|(_, v)| narrow(v))?;
+                of_jinja.call(state, &given)
+            });
+        }
         // Where there is no value the word none would be taken for one.
         environment.set_formatter(|out, state, value| match value.is_none() {
             true => Err(Error::new(ErrorKind::InvalidOperation, "there is no value to be written")),
@@ -273,6 +287,19 @@ fn within(count: usize, most: usize) -> Result<usize, Error> {
     let problem =
         || Error::new(ErrorKind::InvalidOperation, format!("{count} is too many, at most {most} are written"));
     (count <= most).then_some(count).ok_or_else(problem)
+}
+
+/// Whether `given`, a number, a format or arguments with names, asks for at most as much as is written.
+fn narrow(given: &Value) -> Result<(), Error> {
+    let narrow_number = |count| within(count, WIDEST).map(drop);
+    if let Some(format) = given.as_str() {
+        let mut numbers = format.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
+        return numbers.try_for_each(|digits| narrow_number(digits.parse().unwrap_or(usize::MAX)));
+    }
+    if given.is_kwargs() {
+        return given.try_iter()?.try_for_each(|key| narrow(&given.get_item(&key)?));
+    }
+    given.as_usize().map_or(Ok(()), narrow_number)
 }
 
 /// A number with so many decimals.
@@ -495,6 +522,30 @@ mod tests {
             "{% set ns = namespace(x='aaaaaaaaaa') %}{% for i in range(24) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}";
         let error = job_sheet(template).within(Duration::ZERO, MOST_STEPS, &full).unwrap_err().to_string();
         assert!(error.contains("mine.jinja: it takes longer than 0 s; does it make ever longer texts"), "{error}");
+    }
+
+    #[test]
+    fn a_filter_that_is_asked_for_too_much_is_refused() {
+        for filter in [
+            "'a'|indent(999999999999)",
+            "'a'|indent(width=999999999999)",
+            "'a'|indent(none, true, width=999999999999)",
+            "'%999999999999d'|format(1)",
+            "'%.999999999999f'|format(1)",
+            "'%99999999999999999999d'|format(1)",
+            "[1]|slice(999999999999, 0)",
+            "[1]|batch(999999999999, 0)",
+        ] {
+            let error = render(&table(), &format!("{{{{ {filter} }}}}"), "mine").unwrap_err().to_string();
+            assert!(error.contains("is too many, at most 1000 are written"), "{filter}: {error}");
+        }
+        for (usual, text) in [
+            ("{{ '2000\\n3000'|indent(width=2) }}", "2000\n  3000"),
+            ("{{ '%5.1f|%d'|format(1.25, 123456) }}", "  1.2|123456"),
+            ("{{ [1, 2, 3]|batch(2, 5000)|list }}", "[[1, 2], [3, 5000]]"),
+        ] {
+            assert_eq!(render(&table(), usual, "mine").unwrap(), text);
+        }
     }
 
     /// The keys of values and of what is in them.

@@ -345,23 +345,7 @@ mod tests {
     use super::*;
     use geometry::mesh::Bounds;
 
-    const MACHINE: &str = r#"<robot name="m">
-        <link name="bed"><collision><origin xyz="0 0 -0.3"/><geometry><box size="0.4 0.2 0.1"/></geometry></collision></link>
-        <link name="table"><collision><origin rpy="0 1.5707963267948966 0"/>
-            <geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
-        <link name="slide_x"/><link name="slide_y"/>
-        <link name="ram"><collision><geometry><box size="0.1 0.1 0.2"/></geometry></collision></link>
-        <link name="spindle"/>
-        <link name="interface"><collision><origin xyz="0.01 0 0"/><geometry><box size="0.02 0.03 0.03"/></geometry></collision></link>
-        <joint name="joint_a" type="continuous"><parent link="bed"/><child link="table"/>
-            <limit lower="-3.141592653589793" upper="3.141592653589793" velocity="0.5"/></joint>
-        <joint name="X" type="prismatic"><origin xyz="0 0 0.4"/><parent link="bed"/><child link="slide_x"/>
-            <limit lower="-0.25" upper="0.3" velocity="0.02"/></joint>
-        <joint name="Y" type="prismatic"><parent link="slide_x"/><child link="slide_y"/></joint>
-        <joint name="Z" type="prismatic"><parent link="slide_y"/><child link="ram"/><limit velocity="0.01"/></joint>
-        <joint name="C" type="revolute"><origin xyz="0.05 0 -0.2"/><parent link="ram"/><child link="spindle"/></joint>
-        <joint name="held" type="fixed"><origin xyz="0.03 0 0"/><parent link="spindle"/><child link="interface"/></joint>
-    </robot>"#;
+    const MACHINE: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/machine.urdf"));
 
     #[test]
     fn links_become_bodies_of_what_moves_them() {
