@@ -37,7 +37,7 @@ fn random_blisk(rng: &mut ChaCha8Rng) -> (ParametricBlisk, Mesh) {
     }
 }
 
-/// What is tried where the global search finds no way.
+/// Strategies that are tried where the global search finds no way.
 const OTHERS: [Strategy; 2] = [Strategy::Genetic, Strategy::Centreline];
 
 /// What a plan of a wheel came to.

@@ -1,4 +1,4 @@
-//! What is fuzzed, and the inputs of the ordinary tests.
+//! Readers and engines that are fuzzed, and the inputs of the ordinary tests.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ pub struct Target {
     pub inputs: u64,
     /// Files to change; none where the bytes of an input are those that a part is made of.
     pub seeds: Vec<Vec<u8>>,
-    /// What is tried.
+    /// Gives an input to the reader or the engine; returns whether it was answered.
     pub check: Box<Check>,
 }
 

@@ -1,4 +1,4 @@
-//! What cutters leave of a mold by its definition alone: heights by rays of another library, and every cutter set down at
+//! Rest material of a mold by its definition alone: heights by rays of another library, and every cutter set down at
 //! every place. Nothing of it is the program's own, and nothing is fast.
 
 use geometry::mesh::Mesh;
@@ -24,7 +24,7 @@ impl Tool {
     }
 }
 
-/// Which of two bounds of what is left.
+/// Lower or upper bound of what is left.
 #[derive(Debug, Clone, Copy)]
 pub enum Bound {
     Least,
@@ -52,7 +52,7 @@ pub struct Left {
 }
 
 impl Heights {
-    /// Of a mold whose opening looks along +Z, with places `step` apart (mm), and room for a cutter of `radius` beside it.
+    /// Heights of a mold whose opening looks along +Z, with places `step` apart (mm), and room for a cutter of `radius` beside it.
     pub fn new(mold: &Mesh, step: f64, radius: f64) -> Self {
         let (bounds, room) = (mold.bounds(), radius + 4.0 * step);
         let solid = TriMesh::new(mold.vertices.clone(), mold.triangles.clone()).unwrap();

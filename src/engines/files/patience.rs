@@ -46,7 +46,7 @@ impl<T: Send + 'static> Awaited<T> {
 /// The result of quick `work` on `file`.
 ///
 /// # Errors
-/// Those of the work, and [`FileError::Silent`] if the drive does not answer within a moment.
+/// Errors of the work, and [`FileError::Silent`] if the drive does not answer within a moment.
 pub fn soon<T: Send + 'static>(
     file: &Path,
     work: impl FnOnce(&Path) -> Result<T, FileError> + Send + 'static,
@@ -56,7 +56,7 @@ pub fn soon<T: Send + 'static>(
     awaited.take_soon().unwrap_or_else(|| Err(FileError::Silent { file: file.to_owned() }))
 }
 
-/// What is at a path.
+/// Kind of entry at a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Found {
     /// Nothing, or nothing that can be seen.
@@ -67,7 +67,7 @@ pub enum Found {
     Folder,
 }
 
-/// Looks what is at `path`.
+/// Looks up what is at `path`.
 ///
 /// # Errors
 /// [`FileError::Silent`] if the drive does not answer within a moment.

@@ -160,7 +160,7 @@ impl SparkpathApp {
         self.waiting.read.is_some() || !self.waiting.written.is_empty()
     }
 
-    /// What is waited for, in a sentence.
+    /// Sentence on the drive that is waited for.
     pub(super) fn waiting_for(&self) -> Option<String> {
         let read = self.waiting.read.iter().map(|read| ("opening", read.file.as_path()));
         let written = self.waiting.written.iter().map(|one| ("saving", one.saving.file()));

@@ -1,5 +1,6 @@
 //! The window: its state, and the work of each frame.
 
+mod copies;
 mod drives;
 mod lost;
 mod questions;
@@ -8,7 +9,7 @@ mod watch;
 use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use egui::{Panel, Ui};
 
@@ -26,6 +27,7 @@ use crate::workspaces::news::EventKind;
 use crate::workspaces::preferences::{Preferences, ThemeChoice};
 use crate::workspaces::registry::workspaces;
 use crate::workspaces::workspace::Workspace;
+use copies::EVERY;
 use drives::Waiting;
 use files::paths::user_folder;
 use files::{Autosave, Recovery, ResultCache};
@@ -70,9 +72,6 @@ pub enum Opening {
 /// Message after a file dialog of the system closes without a choice. Some close without ever having been visible.
 const NOTHING_CHOSEN: &str =
     "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
-
-/// Interval of copies of unsaved work (s).
-const AUTOSAVE: f64 = 1.0;
 
 /// Greatest size of the cache of results (bytes).
 const MOST_RESULTS: u64 = 512 << 20;
@@ -157,7 +156,7 @@ impl SparkpathApp {
         theme::install(&cc.egui_ctx);
         let mut copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
         copies.retain(|copy| workspaces.iter().any(|one| one.about().id == copy.kind));
-        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, AUTOSAVE).ok());
+        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, EVERY).ok());
         let mut app = Self {
             workspaces,
             shown: 0,
@@ -368,27 +367,6 @@ impl SparkpathApp {
         self.workspaces[self.shown].near().and_then(Path::parent).map(Path::to_owned)
     }
 
-    /// Updates the copies of unsaved work. Returns whether every copy could be written.
-    fn autosave_now(&mut self) -> bool {
-        let Some(autosave) = &mut self.autosave else { return false };
-        // One that fails keeps no other from its copy; it is tried again next time.
-        let failed: Vec<String> = self
-            .workspaces
-            .iter()
-            .filter_map(|one| autosave.update(one.document()).err())
-            .map(|e| format!("the unsaved work could not be copied: {e}"))
-            .collect();
-        if self.not_copied != failed {
-            // Whatever changes in a document, it is said until there are copies again.
-            failed.iter().for_each(|text| self.cx.say(EventKind::Failed, text));
-            if failed.is_empty() {
-                self.cx.say(EventKind::Done, "the unsaved work is copied again");
-            }
-            self.not_copied = failed;
-        }
-        self.not_copied.is_empty()
-    }
-
     fn write_picture(&mut self, path: &Path) {
         let (scene, camera) = self.workspaces[self.shown].viewport().picture();
         // A picture has nothing else that tells the axes.
@@ -549,27 +527,6 @@ impl SparkpathApp {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
         }
-    }
-
-    /// Updates the copies of unsaved work in time, and requests frames for that and while work is under way.
-    fn keep_up(&mut self, ctx: &egui::Context) {
-        // What was given up on purpose is not kept again while the window closes.
-        if !self.quitting && self.autosave.as_mut().is_some_and(|autosave| autosave.is_due(self.cx.now)) {
-            self.autosave_now();
-        }
-        if let Some(autosave) = &mut self.autosave {
-            self.workspaces.iter().for_each(|one| autosave.discard_saved(one.document()));
-        }
-        if self.is_unsaved()
-            && let Some(autosave) = &self.autosave
-        {
-            ctx.request_repaint_after(Duration::from_secs_f64(autosave.due_in(self.cx.now).clamp(0.01, AUTOSAVE)));
-        }
-        if self.is_busy() {
-            // Time left and elapsed go on even while nothing is reported.
-            ctx.request_repaint_after(Duration::from_millis(250));
-        }
-        self.cx.take_wake().into_iter().for_each(|wait| ctx.request_repaint_after(wait));
     }
 }
 

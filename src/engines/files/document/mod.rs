@@ -141,7 +141,7 @@ pub struct Document<P> {
     file: Option<PathBuf>,
     /// SHA-256 of the file as it was read or saved last; none without a file.
     file_sha256: Option<String>,
-    /// What is being saved: number of the saving, parameters and kept content.
+    /// Saving under way: its number, the parameters and the kept content.
     saving: Option<(u64, P, BTreeMap<String, String>)>,
     /// Parameters in the file, or those of a new document; none if no file holds the work.
     saved: Option<P>,

@@ -20,8 +20,9 @@ use shading::{Shaded, shade};
 const CREASE: f64 = 0.866_025_403_784_438_6;
 /// Crease angle of the lighter mesh, which is rougher (rad).
 const LIGHTER_CREASE: f64 = 0.7;
-/// Number of triangles from which on there is a lighter mesh, and from which on it is drawn whenever the view moves.
+/// Number of triangles from which on there is a lighter mesh.
 const LIGHTER_FROM: usize = 300;
+/// Number of triangles from which on the lighter mesh is drawn whenever the view moves.
 const LARGE_FROM: usize = 60_000;
 /// Triangles of the lighter version of a large mesh, about.
 const LARGE_TARGET: f64 = 30_000.0;

@@ -43,7 +43,7 @@ pub struct Batch {
     pub bounds: Bounds,
 }
 
-/// What is drawn together in a picture.
+/// Batches of one picture, and the objects that are in them.
 #[derive(Default)]
 pub struct Together {
     pub batches: Vec<Arc<Batch>>,

@@ -77,7 +77,7 @@ struct View<'a> {
 }
 
 /// Prepares a picture of `size` pixels, `scale` of them to a pixel asked for.
-/// What is drawn `together` is not among its objects.
+/// Objects that are drawn `together` are left out of its objects.
 pub fn prepare(
     scene: &Scene,
     camera: &Camera,

@@ -30,7 +30,7 @@ fn boxes() -> Scene {
     scene((0..375).map(object).collect())
 }
 
-/// The same scene with an object's colour as that of a value that is missing, which is never drawn with others.
+/// A scene with an object's colour as that of a value that is missing, which is never drawn with others.
 fn one_by_one(scene: &Scene) -> Scene {
     let values = SurfaceValues { values: Arc::new(Vec::new()), map: ColourMap::Diverging, range: [0.0, 1.0] };
     let mut scene = scene.clone();
