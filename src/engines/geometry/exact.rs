@@ -3,7 +3,6 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DQuat, DVec3};
-use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Pose;
 use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::query::{self, ClosestPoints, PointQuery, Ray, RayCast};
@@ -11,6 +10,7 @@ use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 use rayon::prelude::*;
 
 use super::mesh::{Bounds, Mesh};
+use super::raycast::{RayMesh, is_met_by_ray};
 use super::shells::Shells;
 
 /// A mesh made ready for exact distance queries (errors of a few units in the last place of f64).
@@ -29,14 +29,11 @@ struct Rest {
     region: Bounds,
     /// Numbers in the mesh of the triangles that were made ready, those whose boxes meet the region.
     ready: Vec<u32>,
-    /// Boxes around the others among each so many triangles in turn.
-    boxes: Vec<Bounds>,
-    /// All of the mesh, made ready once an answer needs it.
+    /// All of the mesh, for rays and boxes.
+    rays: RayMesh,
+    /// All of the mesh, for distances; made ready once an answer needs it.
     whole: OnceLock<Option<TriMesh>>,
 }
-
-/// Triangles to a box of the rest.
-const IN_BOX: usize = 64;
 
 /// Reason why a mesh cannot be queried.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -79,12 +76,8 @@ impl ExactMesh {
         }
         let triangles = ready.iter().map(|&i| mesh.triangles[i as usize]).collect();
         let shape = oriented(&Mesh { vertices: mesh.vertices.clone(), triangles }.compacted())?;
-        let others = |(triangles, is_near): (&[[u32; 3]], &[bool])| {
-            let others = triangles.iter().zip(is_near).filter(|(_, is_near)| !**is_near).flat_map(|(t, _)| t);
-            Bounds::of(others.map(|&v| mesh.vertices[v as usize]))
-        };
-        let boxes = mesh.triangles.par_chunks(IN_BOX).zip(is_near.par_chunks(IN_BOX)).map(others).collect();
-        let rest = Rest { mesh, region, ready, boxes, whole: OnceLock::new() };
+        let rays = RayMesh::new(&mesh)?;
+        let rest = Rest { mesh, region, ready, rays, whole: OnceLock::new() };
         Ok(Self { shape, rest: Some(rest), shells: OnceLock::new() })
     }
 
@@ -129,14 +122,14 @@ impl ExactMesh {
 
     /// The triangles of which some point may lie within `reach` of `p` (those whose boxes do), in rising order.
     pub fn triangles_within(&self, p: DVec3, reach: f64) -> Vec<u32> {
-        let near = |node: &BvhNode| node.aabb().distance_to_local_point(p, true) <= reach;
-        let leaves = self.shape.bvh().leaves(near);
         let mut found: Vec<u32> = match &self.rest {
-            None => leaves.collect(),
-            Some(rest) => {
-                let is_within = |b: &Bounds| b.distance_to(p) <= reach;
-                let others = (reach >= rest.reach(p)).then(|| rest.others(is_within)).into_iter().flatten();
-                leaves.map(|i| rest.ready[i as usize]).chain(others).collect()
+            Some(rest) if reach >= rest.reach(p) => {
+                rest.rays.meeting(&rest.mesh, |b| b.distance_to(p) <= reach).collect()
+            }
+            rest => {
+                let near = |node: &BvhNode| node.aabb().distance_to_local_point(p, true) <= reach;
+                let number = |i: u32| rest.as_ref().map_or(i, |rest| rest.ready[i as usize]);
+                self.shape.bvh().leaves(near).map(number).collect()
             }
         };
         found.sort_unstable();
@@ -145,15 +138,7 @@ impl ExactMesh {
 
     /// The triangles whose boxes meet `bounds`, as a mesh of their own.
     pub fn part_within(&self, bounds: Bounds) -> Mesh {
-        let wanted = Aabb::new(bounds.min, bounds.max);
-        let leaves = self.shape.bvh().leaves(|node: &BvhNode| node.aabb().intersects(&wanted));
-        let ready = leaves.map(|i| self.shape.triangle(i)).map(|t| [t.a, t.b, t.c]);
-        let others = self
-            .rest
-            .iter()
-            .filter(|rest| rest.region.min.cmpgt(bounds.min).any() || rest.region.max.cmplt(bounds.max).any())
-            .flat_map(|rest| rest.others(|b| b.intersects(&bounds)).map(|i| rest.mesh.corners(i as usize)));
-        let vertices: Vec<DVec3> = ready.chain(others).flatten().collect();
+        let vertices: Vec<DVec3> = self.triangles_meeting(|b| b.intersects(&bounds)).flatten().collect();
         let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         Mesh { vertices, triangles }
     }
@@ -166,16 +151,20 @@ impl ExactMesh {
 
     /// The triangles whose boxes the ray from `origin` along `direction` meets.
     pub fn triangles_along(&self, origin: DVec3, direction: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
-        let ray = Ray::new(origin, direction);
-        // A hair more than the box, which rounding must not make too small.
-        let meets = move |node: &BvhNode| node.aabb().loosened(1e-9).intersects_local_ray(&ray, f64::MAX);
-        let ready = self.shape.bvh().leaves(meets).map(|i| self.shape.triangle(i)).map(|t| [t.a, t.b, t.c]);
-        let is_met = move |b: &Bounds| {
-            let loose = Aabb::new(b.min, b.max).loosened(1e-9);
-            b.min.cmple(b.max).all() && loose.intersects_local_ray(&ray, f64::MAX)
-        };
-        let others = self.rest.iter().flat_map(move |rest| rest.others(is_met).map(|i| rest.mesh.corners(i as usize)));
-        ready.chain(others)
+        self.triangles_meeting(is_met_by_ray(origin, direction))
+    }
+
+    /// The triangles of which the boxes meet something, as larger boxes around them do.
+    fn triangles_meeting(&self, meets: impl Fn(&Bounds) -> bool + Copy) -> impl Iterator<Item = [DVec3; 3]> {
+        let of_rest = self.rest.iter();
+        let of_rest =
+            of_rest.flat_map(move |rest| rest.rays.meeting(&rest.mesh, meets).map(|i| rest.mesh.corners(i as usize)));
+        let whole = self.rest.is_none().then_some(&self.shape).into_iter();
+        let of_whole = whole.flat_map(move |shape| {
+            let leaves = shape.bvh().leaves(move |node| meets(&Bounds { min: node.mins(), max: node.maxs() }));
+            leaves.map(|i| shape.triangle(i).vertices().to_owned())
+        });
+        of_whole.chain(of_rest)
     }
 
     /// The least distance between this mesh and `other` moved by the rigid motion `placement`; 0 when they
@@ -200,20 +189,6 @@ impl Rest {
     /// Distance up to which everything around `p` was made ready (mm), negative outside of the region.
     fn reach(&self, p: DVec3) -> f64 {
         (p - self.region.min).min_element().min((self.region.max - p).min_element())
-    }
-
-    /// The triangles that were not made ready of which the boxes are `wanted`, as must be larger boxes around them.
-    fn others(&self, wanted: impl Fn(&Bounds) -> bool) -> impl Iterator<Item = u32> {
-        let all = self.mesh.triangles.chunks(IN_BOX).zip(&self.boxes).enumerate();
-        all.flat_map(move |(k, (triangles, around))| {
-            let triangles = if wanted(around) { triangles } else { &[] };
-            let is_wanted = |t: &[u32; 3]| {
-                let bounds = self.mesh.bounds_of(t);
-                !bounds.intersects(&self.region) && wanted(&bounds)
-            };
-            let found = triangles.iter().enumerate().filter(|(_, t)| is_wanted(t));
-            found.map(|(i, _)| (k * IN_BOX + i) as u32).collect::<Vec<_>>()
-        })
     }
 }
 

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::exact::{ExactMesh, Nearest};
 use super::mesh::Mesh;
+use super::raycast::RayMesh;
 
 /// Directions in which crossings are counted; askew, so that they run along no edge of a mesh drawn by hand.
 const DIRECTIONS: [DVec3; 3] =
@@ -18,6 +19,11 @@ const DIRECTIONS: [DVec3; 3] =
 /// else two of three.
 pub fn winding_number(mesh: &ExactMesh, p: DVec3) -> i32 {
     agreed(|direction| signed_crossings(mesh.triangles_along(p, direction), p, direction))
+}
+
+/// [`winding_number`] of a mesh that need not be connected, and `rays` made of it.
+pub fn winding_number_by_rays(mesh: &Mesh, rays: &RayMesh, p: DVec3) -> i32 {
+    agreed(|direction| signed_crossings(rays.triangles_along(mesh, p, direction), p, direction))
 }
 
 /// Whether `p` is inside of a mesh of which only few points are asked: every triangle is looked at, nothing is
@@ -155,14 +161,17 @@ mod tests {
             let first = outer.vertices.len() as u32;
             let triangles = other.triangles.iter().map(|t| t.map(|v| v + first));
             let triangles = outer.triangles.iter().copied().chain(triangles).collect();
-            ExactMesh::new(&Mesh { vertices: [outer.vertices.clone(), other.vertices].concat(), triangles }).unwrap()
+            Mesh { vertices: [outer.vertices.clone(), other.vertices].concat(), triangles }
         };
-        let overlapping = with(outer.mapped(|p| p + 2.0));
+        let both = with(outer.mapped(|p| p + 2.0));
+        let (overlapping, rays) = (ExactMesh::new(&both).unwrap(), RayMesh::new(&both).unwrap());
         for (p, expected) in [(1.0, 1), (3.0, 2), (5.0, 1), (7.0, 0), (-1.0, 0)] {
             assert_eq!(winding_number(&overlapping, DVec3::splat(p)), expected, "{p}");
+            assert_eq!(winding_number_by_rays(&both, &rays, DVec3::splat(p)), expected, "{p}");
         }
         let small = Mesh::cuboid(DVec3::ONE).mapped(|p| p + 1.0);
         let hollow = with(Mesh { triangles: small.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..small });
+        let hollow = ExactMesh::new(&hollow).unwrap();
         // 0.2 from a face of one cube within the other.
         assert!((guarded_distance(&overlapping, DVec3::new(3.0, 3.0, 1.8)) + 0.2).abs() < 1e-12);
         assert!((guarded_distance(&overlapping, DVec3::new(5.0, 5.0, 1.8)) - 0.2).abs() < 1e-12);

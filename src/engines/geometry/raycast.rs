@@ -63,16 +63,35 @@ impl RayMesh {
         Some(RayHit { distance, triangle, normal: unit_normal(mesh.corners(triangle as usize)) })
     }
 
-    /// Whether a triangle of `mesh`, the one that this was made of, whose box meets `bounds` fulfils a condition.
-    pub fn any_meeting(&self, mesh: &Mesh, bounds: Bounds, fulfils: impl Fn(u32) -> bool) -> bool {
-        let within = Aabb::new(bounds.min, bounds.max);
-        let meets = |triangle: &&u32| Bounds::of(mesh.corners(**triangle as usize)).intersects(&bounds);
-        self.blocks.intersect_aabb(&within).any(|block| self.block(block).iter().filter(meets).any(|t| fulfils(*t)))
+    /// The triangles of `mesh`, the one that this was made of, whose boxes meet something, as larger boxes around them do.
+    pub fn meeting(&self, mesh: &Mesh, meets: impl Fn(&Bounds) -> bool + Copy) -> impl Iterator<Item = u32> {
+        let blocks = self.blocks.leaves(move |node| meets(&Bounds { min: node.mins(), max: node.maxs() }));
+        let triangles = blocks.flat_map(|block| self.block(block).iter().copied());
+        triangles.filter(move |triangle| meets(&Bounds::of(mesh.corners(*triangle as usize))))
+    }
+
+    /// The corners of the triangles of `mesh`, the one that this was made of, whose boxes the ray from `origin` along
+    /// `direction` meets.
+    pub fn triangles_along(&self, mesh: &Mesh, origin: DVec3, direction: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
+        self.meeting(mesh, is_met_by_ray(origin, direction)).map(|triangle| mesh.corners(triangle as usize))
     }
 
     fn block(&self, block: u32) -> &[u32] {
         let start = block as usize * BLOCK;
         &self.order[start..(start + BLOCK).min(self.order.len())]
+    }
+}
+
+/// Whether the ray from `origin` along `direction` meets a box, or comes as near to it as rounding may make that of what
+/// it meets.
+pub(super) fn is_met_by_ray(origin: DVec3, direction: DVec3) -> impl Fn(&Bounds) -> bool + Copy {
+    const HAIR: f64 = 1e-9;
+    // Finite, so that an end of a box is never at 0 times infinity.
+    let per_mm = direction.recip().clamp(DVec3::splat(-f64::MAX), DVec3::splat(f64::MAX));
+    move |bounds| {
+        let [from, to] = [bounds.min - HAIR, bounds.max + HAIR].map(|end| (end - origin) * per_mm);
+        let (enters, leaves) = (from.min(to).max_element(), from.max(to).min_element());
+        enters.max(0.0) <= leaves
     }
 }
 
@@ -150,14 +169,9 @@ mod tests {
         for _ in 0..50 {
             let bounds = Bounds::of([point(1e3)]).grown(100.0);
             let meets = |t: &usize| Bounds::of(mesh.corners(*t)).intersects(&bounds);
-            let asked = std::cell::RefCell::new(Vec::new());
-            rays.any_meeting(&mesh, bounds, |t| {
-                asked.borrow_mut().push(t as usize);
-                false
-            });
-            let mut asked = asked.into_inner();
-            asked.sort_unstable();
-            assert_eq!(asked, (0..500).filter(meets).collect::<Vec<_>>());
+            let mut found: Vec<usize> = rays.meeting(&mesh, |b| b.intersects(&bounds)).map(|t| t as usize).collect();
+            found.sort_unstable();
+            assert_eq!(found, (0..500).filter(meets).collect::<Vec<_>>());
         }
     }
 }

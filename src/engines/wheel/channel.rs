@@ -468,15 +468,20 @@ impl Channel {
             return [place.x, place.y];
         }
         let (mut share, mut found) = (0.5, [f64::NAN; 2]);
+        let mut before = [f64::NAN; 2];
         for _ in 0..ROUNDS {
             let station = self.station_at(along_at(&self.meridian, place, share));
             let height = (place - station.hub).dot((station.shroud - station.hub).normalize_or(DVec2::Y));
             found = [station.along, height];
             let next = height / station.height().max(f64::MIN_POSITIVE);
-            if (next - share).abs() < 1e-12 {
+            let step = next - share;
+            if step.abs() < 1e-12 {
                 break;
             }
-            share = next;
+            // The secant through this step and the one before leads to where there is none, if it does not lead far.
+            let secant = share - step * (share - before[0]) / (step - before[1]);
+            before = [share, step];
+            share = if (secant - next).abs() <= step.abs() { secant } else { next };
         }
         found
     }
