@@ -72,7 +72,7 @@ pub struct AdapterInfo {
 pub struct Offscreen {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
     adapter: AdapterInfo,
     /// Error of the driver since the last picture. Without a handler it would end the program.
     refused: Arc<Mutex<Option<String>>>,
@@ -131,9 +131,7 @@ impl Offscreen {
         if width.min(height) == 0 || width.max(height) > most {
             return Err(RenderError::Size { width, height, most });
         }
-        cancel.check()?;
-        self.renderer.render(&self.device, &self.queue, scene, camera, size, Quality::Full);
-        self.wait(cancel)?;
+        self.draw_until(scene, camera, size, Quality::Full, cancel)?;
         self.read_back()
     }
 
@@ -156,8 +154,24 @@ impl Offscreen {
         size: [u32; 2],
         quality: Quality,
     ) -> Result<(), RenderError> {
-        self.renderer.render(&self.device, &self.queue, scene, camera, size, quality);
-        self.wait(&Cancel::default())
+        self.draw_until(scene, camera, size, quality, &Cancel::default())
+    }
+
+    fn draw_until(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        quality: Quality,
+        cancel: &Cancel,
+    ) -> Result<(), RenderError> {
+        cancel.check()?;
+        let (_, parts) = self.renderer.commands(&self.device, &self.queue, scene, camera, size, quality);
+        for part in parts {
+            self.queue.submit([part]);
+            self.wait(cancel)?;
+        }
+        Ok(())
     }
 
     /// The picture drawn last.

@@ -5,6 +5,7 @@ mod fans;
 mod shading;
 mod simplify;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
@@ -36,7 +37,7 @@ const LEAST_AREA: f64 = 0.6;
 /// so for a million triangles), and share it.
 pub struct RenderMesh {
     id: u64,
-    source: Mesh,
+    source: Arc<Mesh>,
     bounds: Bounds,
     closed: bool,
     full: Level,
@@ -67,15 +68,26 @@ impl RenderMesh {
     /// Prepares `mesh`. Triangles with vertices that do not exist or are not finite are not seen; the others
     /// keep their indices.
     pub fn new(mesh: &Mesh) -> Self {
-        Self::made(mesh, true)
+        Self::made(mesh.clone().into(), true)
+    }
+
+    /// Prepares `mesh` as [`new`](Self::new) does, and what is beside it, if there is anything. Where there is nothing
+    /// the mesh is kept and not copied, as is good for a large one.
+    pub fn beside(mesh: &Arc<Mesh>, others: Option<&Mesh>) -> Self {
+        let with = |others: &Mesh| {
+            let mut all = (**mesh).clone();
+            all.append(others);
+            all.into()
+        };
+        Self::made(others.map_or_else(|| mesh.clone(), with), true)
     }
 
     /// Prepares `mesh` for pictures in full quality alone: it has no lighter version, and no ray meets it.
     pub fn for_pictures(mesh: &Mesh) -> Self {
-        Self::made(mesh, false)
+        Self::made(mesh.clone().into(), false)
     }
 
-    fn made(mesh: &Mesh, is_handled: bool) -> Self {
+    fn made(mesh: Arc<Mesh>, is_handled: bool) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let (source, bounds) = cleaned(mesh);
         let origin = if source.triangles.is_empty() { DVec3::ZERO } else { bounds.center() };
@@ -168,19 +180,22 @@ fn levels(source: &Mesh, origin: DVec3, is_handled: bool) -> Levels {
 }
 
 /// `mesh` with every index valid and every vertex finite, and the box around its triangles.
-fn cleaned(mesh: &Mesh) -> (Mesh, Bounds) {
+fn cleaned(mesh: Arc<Mesh>) -> (Arc<Mesh>, Bounds) {
     let usable = |v: u32| mesh.vertices.get(v as usize).is_some_and(|p| p.is_finite());
     let bounds = Bounds::of(
         mesh.triangles.iter().filter(|t| t.iter().all(|&v| usable(v))).flatten().map(|&v| mesh.vertices[v as usize]),
     );
     let first = mesh.triangles.iter().flatten().copied().find(|&v| usable(v));
     let Some(first) = first.filter(|_| bounds.size().is_finite() && bounds.min.x <= bounds.max.x) else {
-        return (Mesh::default(), Bounds::EMPTY);
+        return (Arc::default(), Bounds::EMPTY);
     };
+    if mesh.vertices.iter().all(|p| p.is_finite()) && mesh.triangles.iter().flatten().all(|&v| usable(v)) {
+        return (mesh, bounds);
+    }
     let place = mesh.vertices[first as usize];
     let vertices = mesh.vertices.iter().map(|&p| if p.is_finite() { p } else { place }).collect();
     let triangles = mesh.triangles.iter().map(|t| if t.iter().all(|&v| usable(v)) { *t } else { [first; 3] }).collect();
-    (Mesh { vertices, triangles }, bounds)
+    (Mesh { vertices, triangles }.into(), bounds)
 }
 
 fn normal(mesh: &Mesh, triangle: &[u32; 3]) -> DVec3 {

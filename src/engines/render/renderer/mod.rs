@@ -27,6 +27,9 @@ const SAMPLES: u32 = 4;
 /// Pixels of a picture while the view moves on a software adapter, at most.
 const MOVING_PIXELS: f64 = 500_000.0;
 
+/// Indices of surfaces that a software adapter is given at a time: it keeps what it has not drawn, some hundred bytes for
+/// each triangle.
+const INDICES_AT_A_TIME: u32 = 3 * 500_000;
 /// Triangles of a picture while the view moves above which small meshes are drawn in their lighter versions as well.
 const MANY_TRIANGLES: usize = 200_000;
 
@@ -44,6 +47,8 @@ pub enum Quality {
 /// been drawn for a while.
 pub struct Renderer {
     is_software: bool,
+    /// Indices of surfaces that the device is given at a time, three for each triangle.
+    pub(super) indices_at_a_time: u32,
     pipelines: Pipelines,
     targets: Targets,
     meshes: GpuMeshes,
@@ -86,8 +91,10 @@ impl Renderer {
         let largest = size_of::<FrameUniform>().max(size_of::<ObjectUniform>());
         let uniform = || GrowingBuffer::new(device, wgpu::BufferUsages::UNIFORM);
         let vertex = || GrowingBuffer::new(device, wgpu::BufferUsages::VERTEX);
+        let is_software = Self::is_software(device);
         Self {
-            is_software: Self::is_software(device),
+            is_software,
+            indices_at_a_time: if is_software { INDICES_AT_A_TIME } else { u32::MAX },
             pipelines: Pipelines::new(device),
             targets: Targets::default(),
             meshes: GpuMeshes::default(),
@@ -119,6 +126,28 @@ impl Renderer {
         size: [u32; 2],
         quality: Quality,
     ) -> wgpu::TextureView {
+        let (picture, mut parts) = self.commands(device, queue, scene, camera, size, quality);
+        let last = parts.pop();
+        for part in parts {
+            queue.submit([part]);
+            // Whoever shows the picture finds out that the device is lost.
+            let _ = device.poll(wgpu::PollType::wait_indefinitely());
+        }
+        queue.submit(last);
+        picture
+    }
+
+    /// The commands that [`render`](Self::render) gives the device, in the parts in which it should finish them: a software
+    /// adapter keeps in memory what it has not drawn.
+    pub(super) fn commands(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        quality: Quality,
+    ) -> (wgpu::TextureView, Vec<wgpu::CommandBuffer>) {
         let (nothing, default) = (Scene { theme: scene.theme, ..Scene::default() }, Camera::default());
         let (scene, camera) = if camera.is_valid() { (scene, camera) } else { (&nothing, &default) };
         let plan = self.plan(device, scene, size, quality);
@@ -127,9 +156,8 @@ impl Renderer {
         self.write(device, queue, &prepared, plan.size);
         let picture = self.targets.select(device, plan.size, plan.samples).picture.clone();
         let commands = self.draw(device, scene, &prepared, &plan);
-        queue.submit([commands]);
         self.meshes.finish_picture();
-        picture
+        (picture, commands)
     }
 
     /// Width and height of the last picture (pixels); zero before the first.

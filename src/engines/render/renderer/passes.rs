@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::gpu_meshes::Detail;
 use super::pipelines::{Key, Kind};
 use super::prepare::{Prepared, PreparedBatch, PreparedObject};
+use super::targets::{Buffers, Target};
 use super::uniforms::{FrameUniform, ObjectUniform};
 use super::{Plan, Renderer};
 use crate::scene::{Object, Scene};
@@ -28,6 +29,13 @@ const KINDS: [Kind; 16] = [
     Kind::DotsFlat,
 ];
 
+/// What of a picture is drawn in one pass.
+#[derive(Clone, Copy)]
+struct Place {
+    first: bool,
+    last: bool,
+}
+
 /// State that the draws of one picture share.
 struct Pass<'a> {
     renderer: &'a Renderer,
@@ -37,39 +45,55 @@ struct Pass<'a> {
     plan: &'a Plan,
     /// Level of detail of each prepared object's mesh on the GPU.
     details: &'a [Option<Detail>],
-    frame: wgpu::BindGroup,
-    object: wgpu::BindGroup,
+    frame: &'a wgpu::BindGroup,
+    object: &'a wgpu::BindGroup,
     /// Pipeline that is set: setting it again would cost as much as another draw.
     pipeline: Option<Key>,
 }
 
 impl Renderer {
-    /// The commands that draw a prepared picture into the selected target.
+    /// The commands that draw a prepared picture into the selected target, to be done one after another.
     pub(super) fn draw(
         &mut self,
         device: &wgpu::Device,
         scene: &Scene,
         prepared: &Prepared,
         plan: &Plan,
-    ) -> wgpu::CommandBuffer {
+    ) -> Vec<wgpu::CommandBuffer> {
         let upload = |o: &PreparedObject| {
             self.meshes.upload(device, &scene.objects[o.index], plan.detail(&scene.objects[o.index]))
         };
         let details: Vec<Option<Detail>> = prepared.objects.iter().map(upload).collect();
         self.make_pipelines(device, prepared, plan);
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let target = self.targets.current().and_then(|t| Some((t, t.buffers(plan.samples)?)));
-        if let Some((target, buffers)) = target {
-            let (view, resolve_target) = match &buffers.colour {
-                Some(colour) => (colour, Some(&target.picture)),
-                None => (&target.picture, None),
-            };
-            let pass = begin(&mut encoder, view, resolve_target, &buffers.depth);
-            let [frame, object] = self.bind_groups(device);
-            Pass { renderer: self, pass, scene, prepared, plan, details: &details, frame, object, pipeline: None }
-                .all();
-        }
-        encoder.finish()
+        let Some(target) = self.targets.current() else { return Vec::new() };
+        let Some(buffers) = target.buffers(plan.samples) else { return Vec::new() };
+        let of_object = |i: usize| {
+            let mesh =
+                details[i].and_then(|detail| self.meshes.mesh(&scene.objects[prepared.objects[i].index], detail));
+            mesh.map_or(0, |mesh| mesh.index_count)
+        };
+        let parts = parts((0..prepared.opaque).map(of_object), self.indices_at_a_time);
+        let [frame, object] = self.bind_groups(device);
+        let commands = parts.iter().enumerate().map(|(number, part)| {
+            let mut encoder = device.create_command_encoder(&Default::default());
+            let is = Place { first: number == 0, last: number + 1 == parts.len() };
+            let pass = begin(&mut encoder, target, buffers, is);
+            let (renderer, details, [frame, object]) = (&*self, &details[..], [&frame, &object]);
+            let mut pass = Pass { renderer, pass, scene, prepared, plan, details, frame, object, pipeline: None };
+            pass.bind_frame(0);
+            if is.first {
+                pass.background();
+            }
+            for (i, indices) in part {
+                pass.surface(Kind::Surface, *i, indices.clone());
+            }
+            if is.last {
+                pass.all_but_surfaces();
+            }
+            drop(pass);
+            encoder.finish()
+        });
+        commands.collect()
     }
 
     fn make_pipelines(&mut self, device: &wgpu::Device, prepared: &Prepared, plan: &Plan) {
@@ -103,41 +127,70 @@ fn normalised(key: Key) -> Key {
     Key { valued: key.valued && surface, section: key.section && (surface || key.kind == Kind::Edges), ..key }
 }
 
+/// The parts, of at most so many indices, in which surfaces with these numbers of indices are drawn: of each part the
+/// surfaces, and which of their indices. There is at least one part.
+fn parts(counts: impl Iterator<Item = u32>, most: u32) -> Vec<Vec<(usize, Range<u32>)>> {
+    let (mut parts, mut room) = (vec![Vec::new()], most);
+    for (i, count) in counts.enumerate() {
+        let mut from = 0;
+        while from < count {
+            if room == 0 {
+                parts.push(Vec::new());
+                room = most;
+            }
+            let to = from + room.min(count - from);
+            parts.last_mut().into_iter().for_each(|part| part.push((i, from..to)));
+            (from, room) = (to, room - (to - from));
+        }
+    }
+    parts
+}
+
 fn begin<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
-    view: &wgpu::TextureView,
-    resolve_target: Option<&wgpu::TextureView>,
-    depth: &wgpu::TextureView,
+    target: &Target,
+    buffers: &Buffers,
+    is: Place,
 ) -> wgpu::RenderPass<'a> {
-    let store = if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+    let (view, resolve_target) = match &buffers.colour {
+        Some(colour) => (colour, Some(&target.picture).filter(|_| is.last)),
+        None => (&target.picture, None),
+    };
+    let (discard, keep) = (wgpu::StoreOp::Discard, wgpu::StoreOp::Store);
+    let store = if resolve_target.is_some() { discard } else { keep };
+    let store_depth = if is.last { discard } else { keep };
+    let (load, load_depth, load_stencil) = if is.first {
+        (wgpu::LoadOp::Clear(wgpu::Color::BLACK), wgpu::LoadOp::Clear(1.0), wgpu::LoadOp::Clear(0))
+    } else {
+        (wgpu::LoadOp::Load, wgpu::LoadOp::Load, wgpu::LoadOp::Load)
+    };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("scene"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view,
             depth_slice: None,
             resolve_target,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store },
+            ops: wgpu::Operations { load, store },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: depth,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
-            stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Discard }),
+            view: &buffers.depth,
+            depth_ops: Some(wgpu::Operations { load: load_depth, store: store_depth }),
+            stencil_ops: Some(wgpu::Operations { load: load_stencil, store: store_depth }),
         }),
         ..Default::default()
     })
 }
 
 impl Pass<'_> {
-    fn all(&mut self) {
-        self.bind_frame(0);
+    fn background(&mut self) {
         if self.select(Kind::Background, false) {
             self.pass.draw(0..3, 0..1);
         }
         self.batches();
+    }
+
+    fn all_but_surfaces(&mut self) {
         let opaque = 0..self.prepared.opaque;
-        for i in opaque.clone() {
-            self.surface(Kind::Surface, i);
-        }
         for i in opaque.clone() {
             self.cap(i);
         }
@@ -148,9 +201,9 @@ impl Pass<'_> {
         self.segments(Kind::Lines, self.prepared.lines.clone());
         self.segments(Kind::LinesDepth, self.prepared.lines.clone());
         for i in self.prepared.opaque..self.prepared.objects.len() {
-            self.surface(Kind::SurfaceDepth, i);
+            self.surface(Kind::SurfaceDepth, i, 0..u32::MAX);
             self.cap(i);
-            self.surface(Kind::SurfaceBlended, i);
+            self.surface(Kind::SurfaceBlended, i, 0..u32::MAX);
             self.edges(i);
         }
         self.segments(Kind::LinesBehind, self.prepared.lines_on_top.clone());
@@ -172,7 +225,7 @@ impl Pass<'_> {
     }
 
     fn bind_frame(&mut self, offset: u32) {
-        self.pass.set_bind_group(0, &self.frame, &[offset]);
+        self.pass.set_bind_group(0, self.frame, &[offset]);
     }
 
     fn select(&mut self, kind: Kind, valued: bool) -> bool {
@@ -185,7 +238,7 @@ impl Pass<'_> {
     }
 
     fn bind_object(&mut self, i: usize) {
-        self.pass.set_bind_group(1, &self.object, &[(i * self.renderer.stride) as u32]);
+        self.pass.set_bind_group(1, self.object, &[(i * self.renderer.stride) as u32]);
     }
 
     fn object(&self, i: usize) -> &Object {
@@ -204,7 +257,8 @@ impl Pass<'_> {
         }
     }
 
-    fn surface(&mut self, kind: Kind, i: usize) {
+    /// Draws those of a surface's `indices` that there are.
+    fn surface(&mut self, kind: Kind, i: usize, indices: Range<u32>) {
         let Some(detail) = self.details[i] else { return };
         let meshes = &self.renderer.meshes;
         let (Some(mesh), values) = (meshes.mesh(self.object(i), detail), meshes.values(self.object(i), detail)) else {
@@ -219,7 +273,7 @@ impl Pass<'_> {
             self.pass.set_vertex_buffer(1, values.slice(..));
         }
         self.pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-        self.pass.draw_indexed(0..mesh.index_count, 0, 0..1);
+        self.pass.draw_indexed(indices.start..indices.end.min(mesh.index_count), 0, 0..1);
     }
 
     fn edges(&mut self, i: usize) {

@@ -144,6 +144,22 @@ fn the_same_scene_gives_the_same_bytes_also_from_another_device() {
 }
 
 #[test]
+fn a_picture_in_parts_is_the_picture() {
+    let mut scene = scene(vec![object(0, BLUE, 10.0), object(1, RED, 12.0), object(2, BLUE, 14.0)]);
+    scene.objects[1].transform = DAffine3::from_translation(DVec3::splat(4.0));
+    scene.objects[2].opacity = 0.4;
+    scene.section = Some(SectionPlane { point: DVec3::ZERO, normal: DVec3::Z });
+    let camera = front(&scene);
+    let whole = drawn(&scene, &camera);
+    // Boxes of 36 indices: parts that end within one, between two, and with the last.
+    for at_a_time in [3, 30, 36, 72] {
+        let mut device = offscreen();
+        device.renderer.indices_at_a_time = at_a_time;
+        assert!(device.image(&scene, &camera, SIZE).unwrap() == whole, "{at_a_time}");
+    }
+}
+
+#[test]
 fn far_from_the_origin_the_picture_is_the_same() {
     let near = scene(vec![object(1, BLUE, 10.0)]);
     let shift = DVec3::new(3e7, -5e7, 2e7);

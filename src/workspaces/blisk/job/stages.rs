@@ -126,16 +126,10 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     }
     let blank = read_blank(job, task)?;
     files.extend(blank.as_ref().map(|(_, file)| file.clone()));
-    let shape = Arc::new(match &obstacles {
-        Some(obstacles) => {
-            let mut all = mesh.clone();
-            all.append(obstacles);
-            RenderMesh::new(&all)
-        }
-        None => RenderMesh::new(&mesh),
-    });
+    let mesh = Arc::new(mesh);
+    let shape = Arc::new(RenderMesh::beside(&mesh, obstacles.as_ref()));
     task.check().map_err(|e| e.to_string())?;
-    let (mesh, obstacles, faces) = (Arc::new(mesh), obstacles.map(Arc::new), faces.map(Arc::new));
+    let (obstacles, faces) = (obstacles.map(Arc::new), faces.map(Arc::new));
     let blank = blank.map(|(mesh, _)| mesh.into());
     Ok(Part { name: job.part(), mesh, obstacles, shape, report, faces, own_electrodes, sections, blank, files })
 }
