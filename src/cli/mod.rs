@@ -41,6 +41,7 @@ mod verify;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -401,6 +402,11 @@ fn require_closed(path: &Path, report: &ImportReport) -> anyhow::Result<()> {
 #[error("internal error: {0}; please report it with the files that led to it")]
 struct Internal(String);
 
+/// Exit code of a command that was interrupted.
+const CANCELLED: u8 = 130;
+/// Time for which an interrupted command may go on without a look at the flag that cancels it.
+const PATIENCE: Duration = Duration::from_millis(150);
+
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -418,7 +424,18 @@ pub fn run() -> ExitCode {
     let (flag, cancelled) = (cancel.clone(), cancel.clone());
     // The window looks at no flag: it shall end as any window does, and its unsaved work is kept by autosave.
     let is_window = matches!(arguments.command, None | Some(Command::Mold { .. }));
-    let handled = if is_window { Ok(()) } else { ctrlc::set_handler(move || flag.cancel()) };
+    let json = arguments.json;
+    let interrupted = move || {
+        flag.cancel();
+        // What looks at the flag stops, and says how far it came. What does not, as work of a library, is left.
+        std::thread::sleep(PATIENCE);
+        if !flag.is_seen() {
+            terminal::finish();
+            let _ = fail("cancelled; what was not yet written is dropped", CANCELLED, json);
+            std::process::exit(CANCELLED.into());
+        }
+    };
+    let handled = if is_window { Ok(()) } else { ctrlc::set_handler(interrupted) };
     if let Err(error) = handled {
         return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
     }
@@ -432,10 +449,10 @@ pub fn run() -> ExitCode {
         Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
         Ok(Ok(Answer::No)) => ExitCode::from(3),
         Ok(Ok(Answer::Stopped { stage, written })) => {
-            fail(&format!("cancelled: the {stage} was stopped; {written}"), 130, arguments.json)
+            fail(&format!("cancelled: the {stage} was stopped; {written}"), CANCELLED, arguments.json)
         }
         // What a computation answers once it has been told to stop is that it stopped.
-        Ok(Err(_)) if cancelled.is_cancelled() => fail("cancelled; nothing was written", 130, arguments.json),
+        Ok(Err(_)) if cancelled.is_cancelled() => fail("cancelled; nothing was written", CANCELLED, arguments.json),
         Ok(Err(error)) => report(&error, arguments.json),
         Err(panic) => report(&anyhow::Error::new(Internal(panic_text(&*panic))), arguments.json),
     }

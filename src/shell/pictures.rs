@@ -18,7 +18,7 @@ pub struct Pictures(Vec<Memo<PathBuf, ()>>);
 impl Pictures {
     /// Draws `scene` and writes it to `path`, after earlier pictures.
     pub fn write(&mut self, path: &Path, scene: Scene, camera: Camera, scheduler: &Scheduler) {
-        let (mut memo, file) = (Memo::new(scheduler, Lane::Quick, "Picture"), path.to_owned());
+        let (mut memo, file) = (Memo::new(scheduler, Lane::Quick, "Picture").awaiting_the_end(), path.to_owned());
         memo.restart(&path.to_owned(), Priority::Normal, move |work| {
             draw(&file, &scene, &camera, &work.task.cancel).map_err(|e| format!("{}: {e}", file.display()))
         });

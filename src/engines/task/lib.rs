@@ -1,7 +1,7 @@
 //! Long computations: progress, cancelling, and values that are computed in the background and remembered.
 //!
 //! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such
-//! jobs on the two threads of a [`Scheduler`] and keeps what they answer.
+//! jobs on the threads of a [`Scheduler`] and keeps what they answer.
 
 mod doing;
 mod memo;
@@ -11,7 +11,7 @@ mod stage_times;
 mod tests;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 pub use doing::Doing;
 pub use memo::{Ended, Memo, Refusal, Same, State, Work};
@@ -23,19 +23,36 @@ pub use stage_times::{StageClock, StageTime};
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// A flag that cancels computations. Every computation looks at the flag at least every 50 ms of work.
+/// A flag that cancels computations. Every computation of our own looks at the flag at least every 50 ms of work on a
+/// part of ordinary size; [`Scheduler`] tells what becomes of one that does not.
 #[derive(Debug, Clone, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub struct Cancel(Arc<AtomicU8>);
+
+/// The states of a flag after 0: it is up, and a computation has seen it.
+const UP: u8 = 1;
+const SEEN: u8 = 2;
 
 impl Cancel {
     /// Tells every computation that holds this flag to stop.
     pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        let _ = self.0.compare_exchange(0, UP, Ordering::Relaxed, Ordering::Relaxed);
     }
 
     /// Whether [`cancel`](Self::cancel) has been called.
     pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        match self.0.load(Ordering::Relaxed) {
+            0 => false,
+            UP => {
+                self.0.store(SEEN, Ordering::Relaxed);
+                true
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether a computation has looked at the flag since it is up, and will stop therefore.
+    pub fn is_seen(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == SEEN
     }
 
     /// `Err(Cancelled)` once the flag is up, for use with `?`.

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::doing::Doing;
-use crate::scheduler::{Job, JobId, Lane, Priority, Queue, Scheduler};
+use crate::scheduler::{Job, JobId, Lane, Leave, Priority, Queue, Scheduler};
 use crate::{Cancel, Progress, Task};
 
 /// State of a key: the first of these that holds.
@@ -107,6 +107,7 @@ struct Attempt<V, P> {
     work: Making<V, P>,
     sender: Sender<Message<V, P>>,
     queue: Arc<Queue>,
+    is_awaited: bool,
 }
 
 fn say<V, P>(sender: &Sender<Message<V, P>>, queue: &Queue, message: Message<V, P>) {
@@ -118,7 +119,7 @@ fn say<V, P>(sender: &Sender<Message<V, P>>, queue: &Queue, message: Message<V, 
 
 impl<V: Send + 'static, P: Send + 'static> Job for Attempt<V, P> {
     fn run(self: Box<Self>, cancel: &Cancel) {
-        let Self { run, work: make, sender, queue } = *self;
+        let Self { run, work: make, sender, queue, .. } = *self;
         say(&sender, &queue, (run, Said::Started(Instant::now())));
         let (to_us, theirs) = (sender.clone(), queue.clone());
         let woken = Mutex::new(None::<(Instant, String)>);
@@ -152,8 +153,17 @@ impl<V: Send + 'static, P: Send + 'static> Job for Attempt<V, P> {
     }
 
     fn give_up(self: Box<Self>) {
-        say(&self.sender, &self.queue, (self.run, Said::Ended(Err(Refusal::Cancelled), Instant::now())));
+        cancelled(&self.sender, &self.queue, self.run);
     }
+
+    fn leave(&self) -> Option<Leave> {
+        let (sender, queue, run) = (self.sender.clone(), self.queue.clone(), self.run);
+        (!self.is_awaited).then(|| Box::new(move || cancelled(&sender, &queue, run)) as Leave)
+    }
+}
+
+fn cancelled<V, P>(sender: &Sender<Message<V, P>>, queue: &Queue, run: u64) {
+    say(sender, queue, (run, Said::Ended(Err(Refusal::Cancelled), Instant::now())));
 }
 
 fn panic_text(panic: &(dyn Any + Send)) -> String {
@@ -192,6 +202,7 @@ pub struct Memo<K, V, P = ()> {
     what: &'static str,
     remembered: usize,
     lets_finish: bool,
+    is_awaited: bool,
     /// Remembered values; the one computed or asked for last comes last.
     values: Vec<(K, Arc<V>)>,
     refusals: Vec<(K, Refusal)>,
@@ -214,6 +225,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
             what,
             remembered: 8,
             lets_finish: false,
+            is_awaited: false,
             values: Vec::new(),
             refusals: Vec::new(),
             run: None,
@@ -237,6 +249,13 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
     /// of a slider cancelled the last preview, none would ever be seen.
     pub fn letting_finish(mut self) -> Self {
         self.lets_finish = true;
+        self
+    }
+
+    /// Never leaves work behind that does not stop when it is told to. This is for work that writes files: what it has
+    /// written is told.
+    pub fn awaiting_the_end(mut self) -> Self {
+        self.is_awaited = true;
         self
     }
 
@@ -438,7 +457,8 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
     fn begin(&mut self, key: &K, priority: Priority, work: Making<V, P>) {
         self.resume(key);
         self.runs += 1;
-        let work = Attempt { run: self.runs, work, sender: self.sender.clone(), queue: self.queue.clone() };
+        let (sender, queue) = (self.sender.clone(), self.queue.clone());
+        let work = Attempt { run: self.runs, work, sender, queue, is_awaited: self.is_awaited };
         if self.lets_finish && self.run.is_some() {
             self.next = Some(Next { priority, key: key.clone(), work });
             return;

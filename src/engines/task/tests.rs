@@ -105,6 +105,70 @@ fn the_latest_key_wins() {
     assert_eq!((values(&memo), memo.wants(&4)), (vec![30, 40], false));
 }
 
+/// Goes on, whatever it is told, until it is let go; says that it has begun.
+fn until_let_go(begun: Sender<()>) -> (impl Fn(&Work<u32>) -> Result<u32, String> + Send, Sender<()>) {
+    let (let_go, held) = channel();
+    let work = move |_: &Work<u32>| {
+        begun.send(()).unwrap();
+        held.recv().map(|()| 1).map_err(|e| e.to_string())
+    };
+    (work, let_go)
+}
+
+#[test]
+fn work_that_does_not_stop_is_left_behind_once_for_each_lane() {
+    let (scheduler, woken) = with_threads();
+    let (mut first, mut second) = (numbers(&scheduler), numbers(&scheduler));
+    let (begun, has_begun) = channel();
+    let (work, let_go) = until_let_go(begun.clone());
+    first.restart(&1, Priority::Shown, work);
+    has_begun.recv().unwrap();
+    first.cancel();
+    assert_eq!(wait(&mut first, &woken).result, Err(Refusal::Cancelled));
+    // Another thread does the work of its lane.
+    ask(&mut second, 2);
+    assert_eq!(*wait(&mut second, &woken).result.unwrap(), 20);
+    // The next is awaited for as long as the first goes on.
+    let (work, _held) = until_let_go(begun);
+    second.restart(&3, Priority::Shown, work);
+    has_begun.recv().unwrap();
+    second.cancel();
+    let mut quick: Numbers = Memo::new(&scheduler, Lane::Quick, "quick numbers");
+    let (begun, quick_has_begun) = channel();
+    let (work, _held_too) = until_let_go(begun);
+    quick.restart(&4, Priority::Normal, work);
+    quick_has_begun.recv().unwrap();
+    quick.cancel();
+    assert_eq!(wait(&mut quick, &woken).result, Err(Refusal::Cancelled));
+    assert!(second.take().is_none() && second.state(&3) == State::Running);
+    let_go.send(()).unwrap();
+    assert_eq!(wait(&mut second, &woken).result, Err(Refusal::Cancelled));
+    assert!(first.take().is_none() && first.state(&1) == State::Cancelled, "what it answers in the end is dropped");
+    // Here two threads are still held: the scheduler does not wait for them.
+    drop(scheduler);
+}
+
+#[test]
+fn work_that_writes_is_awaited() {
+    let (scheduler, woken) = with_threads();
+    let mut writing = numbers(&scheduler).awaiting_the_end();
+    let mut quick: Numbers = Memo::new(&scheduler, Lane::Quick, "quick numbers");
+    let (begun, has_begun) = channel();
+    let (work, let_go) = until_let_go(begun.clone());
+    writing.restart(&1, Priority::Shown, work);
+    has_begun.recv().unwrap();
+    writing.cancel();
+    let (work, _held) = until_let_go(begun);
+    quick.restart(&2, Priority::Normal, work);
+    has_begun.recv().unwrap();
+    quick.cancel();
+    // This was told later, and is left behind.
+    assert_eq!(wait(&mut quick, &woken).result, Err(Refusal::Cancelled));
+    assert!(writing.take().is_none() && writing.state(&1) == State::Running);
+    let_go.send(()).unwrap();
+    assert_eq!(*wait(&mut writing, &woken).result.unwrap(), 1);
+}
+
 #[test]
 fn running_work_for_an_earlier_key_is_stopped() {
     let (scheduler, woken) = with_threads();

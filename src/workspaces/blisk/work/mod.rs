@@ -123,7 +123,7 @@ impl BliskWork {
             planned: Memo::new(scheduler, Lane::Long, Stage::Plan.name()).remembering(4),
             measured: Memo::new(scheduler, Lane::Quick, Stage::Verify.name()).remembering(2),
             finished: Memo::new(scheduler, Lane::Long, Stage::Verify.name()).remembering(4),
-            exported: Memo::new(scheduler, Lane::Long, Stage::Export.name()).remembering(1),
+            exported: Memo::new(scheduler, Lane::Long, Stage::Export.name()).awaiting_the_end().remembering(1),
             exports: (None, 0),
             looks: Looks::new(scheduler),
             wishes: Vec::new(),

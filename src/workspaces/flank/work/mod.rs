@@ -77,7 +77,7 @@ impl FlankWork {
             compared: Memo::new(scheduler, Lane::Long, "Comparison").remembering(1),
             new_rows: None,
             is_waiting: false,
-            exported: Memo::new(scheduler, Lane::Long, "Export").remembering(1),
+            exported: Memo::new(scheduler, Lane::Long, "Export").awaiting_the_end().remembering(1),
             exports: 0,
             reloads: 0,
             priority: Priority::Normal,
