@@ -49,7 +49,7 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
         (None, None) => return Err(message("mesh is missing; name one in the project".to_owned())),
     };
     let mut of_part = asked.of_part(&part_of(&imported));
-    of_part.open(&imported.mesh);
+    of_part.open(&imported.mesh, &session.task.cancel)?;
     session.note_dropped(asked.mesh.as_deref().unwrap_or(file), &asked, &of_part);
     let asked = of_part;
     let mold = Arc::new(RenderMesh::new(&imported.mesh));

@@ -140,7 +140,7 @@ impl MoldArguments {
         with_values(before.clone())?;
         let imported = demonstrated.map_or_else(|| session.import(&path, &before.reading()), Ok)?;
         let mut params = with_values(before.of_part(&part_of(&imported)))?;
-        if let Some(proposal) = params.open(&imported.mesh) {
+        if let Some(proposal) = params.open(&imported.mesh, &session.task.cancel)? {
             session.note(&format!("{}: opening direction {}", path.display(), proposal.sentence()));
         }
         session.note_dropped(&path, &with_values(before)?, &params);

@@ -272,7 +272,7 @@ fn found_uncut(
         return Err("the project is none of a mold".to_owned());
     };
     let mut params = *params;
-    params.open(&imported.mesh);
+    params.open(&imported.mesh, &task.cancel).map_err(text)?;
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let uncut = find_uncut(&imported.mesh, &params.uncut(), task).map_err(|e| format!("{name}: {e}"))?;
     Ok(FoundUncut { params, imported, name, uncut })

@@ -87,7 +87,7 @@ impl Desk {
     }
 
     pub fn until_loaded(&mut self) {
-        self.until("the mold is loaded", |d| d.mold().work.mold_state(d.mold().params()) == State::Ready);
+        self.until("the mold is loaded and looked at", |d| d.mold().work.survey(d.mold().params()).is_some());
     }
 
     fn volume(&self) -> f64 {

@@ -5,11 +5,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::section::vertex_error;
-use geometry::exact::ExactMesh;
 use geometry::groups::Groups;
-use geometry::inside::winding_number;
+use geometry::inside::winding_number_by_rays;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use geometry::raycast::RayMesh;
+use task::{Cancel, Cancelled};
 
 /// How far before a face it is asked whether there is material (mm), at least, and in errors of a vertex.
 const BEFORE: (f64, f64) = (1e-3, 4.0);
@@ -24,13 +24,14 @@ const PLACES: (f64, f64) = (1e4, 256.0);
 
 /// Faces of a mesh with material on both sides.
 #[derive(Default)]
-pub(super) struct Contacts {
+pub(super) struct Contacts<'a> {
     /// None where no two faces touch.
-    touching: Option<Touching>,
+    touching: Option<Touching<'a>>,
 }
 
-struct Touching {
-    exact: ExactMesh,
+struct Touching<'a> {
+    mesh: &'a Mesh,
+    rays: RayMesh,
     before: f64,
     /// Whether another solid, or another face that looks towards it, comes near each face.
     is_near: Vec<bool>,
@@ -38,22 +39,21 @@ struct Touching {
     covered: Vec<f64>,
 }
 
-impl Contacts {
+impl<'a> Contacts<'a> {
     /// Contacts between the solids of a mesh, and within one where joining it has left films.
-    pub fn of(mesh: &Mesh) -> Self {
+    ///
+    /// # Errors
+    /// If it is cancelled.
+    pub fn of(mesh: &'a Mesh, cancel: &Cancel) -> Result<Self, Cancelled> {
         let before = BEFORE.0.max(BEFORE.1 * vertex_error(mesh));
-        // Rays ask for triangles alone: without common vertices, more than two may meet in an edge.
-        let soup = || Mesh {
-            vertices: mesh.iter_corners().flatten().collect(),
-            triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        };
-        let near = [near_others(mesh, before), films(mesh, before)].into_iter().flatten();
+        let Ok(rays) = RayMesh::new(mesh) else { return Ok(Self::default()) };
+        let near = [near_others(mesh, before), films(mesh, &rays, before, cancel)?].into_iter().flatten();
         let near = near.reduce(|a, b| a.into_iter().zip(b).map(|(a, b)| a || b).collect());
-        let Some(is_near) = near else { return Self::default() };
-        let Ok(exact) = ExactMesh::new(&soup()) else { return Self::default() };
-        let mut touching = Touching { exact, before, is_near, covered: Vec::new() };
+        let Some(is_near) = near else { return Ok(Self::default()) };
+        let mut touching = Touching { mesh, rays, before, is_near, covered: Vec::new() };
         let longest = mesh.bounds().size().max_element();
         let share = |face: usize| {
+            cancel.check()?;
             let corners = mesh.corners(face);
             let area = 0.5 * normal_times_two_areas(corners).length();
             let count = (PLACES.0 * area / (longest * longest)).clamp(1.0, PLACES.1).ceil() as usize;
@@ -61,10 +61,10 @@ impl Contacts {
             let middle = corners.iter().sum::<DVec3>() / 3.0;
             let inner = |i: usize| place(corners, i, count).lerp(middle, INNER);
             let is_covered = |i: &usize| touching.covers(face, inner(*i), unit_normal(corners));
-            (0..count).filter(is_covered).count() as f64 / count as f64
+            Ok((0..count).filter(is_covered).count() as f64 / count as f64)
         };
-        touching.covered = (0..mesh.triangles.len()).into_par_iter().map(share).collect();
-        Self { touching: Some(touching) }
+        touching.covered = (0..mesh.triangles.len()).into_par_iter().map(share).collect::<Result<_, _>>()?;
+        Ok(Self { touching: Some(touching) })
     }
 
     /// Share of a face's area that is surface of the mold.
@@ -88,9 +88,9 @@ pub(super) fn have_contacts(mesh: &Mesh) -> bool {
     near_others(mesh, BEFORE.0.max(BEFORE.1 * vertex_error(mesh))).is_some()
 }
 
-impl Touching {
+impl Touching<'_> {
     fn covers(&self, face: usize, place: DVec3, normal: DVec3) -> bool {
-        self.is_near[face] && winding_number(&self.exact, place + normal * self.before) > 0
+        self.is_near[face] && winding_number_by_rays(self.mesh, &self.rays, place + normal * self.before) > 0
     }
 }
 
@@ -124,9 +124,9 @@ fn near_others(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
 /// Of each face whether another one within a distance (mm) lies along it and looks towards it, as on both sides of a film
 /// of air that joining two solids has left between them; none where there is no film. What is taken for near too often
 /// costs time alone: rays decide.
-fn films(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
-    let triangles = RayMesh::new(mesh).ok()?;
+fn films(mesh: &Mesh, rays: &RayMesh, within: f64, cancel: &Cancel) -> Result<Option<Vec<bool>>, Cancelled> {
     let is_near = |face: usize| {
+        cancel.check()?;
         let corners = mesh.corners(face);
         let own = unit_normal(corners);
         let faces = |other: u32| {
@@ -138,10 +138,11 @@ fn films(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
             };
             own.dot(normal) < 0.0 && own.cross(normal).length() < ALIKE && others.iter().any(is_along)
         };
-        triangles.any_meeting(mesh, Bounds::of(corners).grown(within), faces)
+        let beside = Bounds::of(corners).grown(within);
+        Ok(rays.meeting(mesh, |b| b.intersects(&beside)).any(faces))
     };
-    let are_near: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(is_near).collect();
-    are_near.contains(&true).then_some(are_near)
+    let are_near: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(is_near).collect::<Result<_, _>>()?;
+    Ok(are_near.contains(&true).then_some(are_near))
 }
 
 /// Of each group of faces whether more than two of them meet in an edge.
@@ -192,7 +193,7 @@ mod tests {
 
     /// Area of the faces with this normal that is surface (mm^2).
     fn free_area(mesh: &Mesh, normal: DVec3) -> f64 {
-        let contacts = Contacts::of(mesh);
+        let contacts = Contacts::of(mesh, &Cancel::default()).unwrap();
         let faces = (0..mesh.triangles.len()).filter(|face| unit_normal(mesh.corners(*face)).dot(normal) > 0.999);
         faces.map(|face| contacts.free_share(face) * 0.5 * normal_times_two_areas(mesh.corners(face)).length()).sum()
     }

@@ -8,6 +8,7 @@ use super::opening::Opening;
 use files::{Invalid, Validate};
 use geometry::circle::Circle;
 use geometry::mesh::{Mesh, unit_normal};
+use task::{Cancel, Cancelled};
 
 /// Largest coordinate of the origin (mm).
 pub const FURTHEST: f64 = 1e5;
@@ -17,6 +18,8 @@ const PARALLEL: f64 = 2e-3;
 const SHORTEST: f64 = 1e-3;
 /// Angle between two faces from which on their edge may be of a rim (rad); facets of a round turn by less.
 const SHARP: f64 = 0.61;
+/// Vertices whose edges are looked at together.
+const VERTICES_AT_A_TIME: usize = 500_000;
 /// Fewest corners of a rim: a square or a hexagon is none.
 const LEAST_CORNERS: usize = 8;
 /// How far a corner may lie off the circle of its rim, in parts of the radius.
@@ -96,27 +99,36 @@ impl Datum {
 
 /// The circles along which sharp edges of a mesh run all the way round: rims of holes and bosses, in the order of their
 /// first vertices.
-pub fn rims(mesh: &Mesh) -> Vec<Circle> {
-    let sides = |(i, t): (usize, &[u32; 3])| {
-        let [a, b, c] = *t;
-        [(a, b), (b, c), (c, a)].map(|(a, b)| (a.min(b), a.max(b), i as u32))
-    };
-    let mut edges: Vec<(u32, u32, u32)> = mesh.triangles.par_iter().enumerate().flat_map_iter(sides).collect();
-    edges.par_sort_unstable();
+///
+/// # Errors
+/// If it is cancelled.
+pub fn rims(mesh: &Mesh, cancel: &Cancel) -> Result<Vec<Circle>, Cancelled> {
     // The vertices at the other ends of each vertex's sharp edges, and how many of these there are.
     let mut others = vec![([0u32; 2], 0u8); mesh.vertices.len()];
-    for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let [(a, b, one), (_, _, other)] = *edge else { continue };
-        let [n, m] = [one, other].map(|face| unit_normal(mesh.corners(face as usize)));
-        if n.dot(m) < SHARP.cos() {
-            for (from, to) in [(a, b), (b, a)] {
-                let (ends, count) = &mut others[from as usize];
-                if let Some(end) = ends.get_mut(*count as usize) {
-                    *end = to;
+    // Edges of a few vertices at a time: those of a large mesh would take more memory than it does.
+    for first in (0..others.len()).step_by(VERTICES_AT_A_TIME) {
+        let sides = |(i, t): (usize, &[u32; 3])| {
+            let [a, b, c] = *t;
+            let sides = [(a, b), (b, c), (c, a)].map(|(a, b)| (a.min(b), a.max(b), i as u32));
+            sides.into_iter().filter(move |(a, ..)| (first..first + VERTICES_AT_A_TIME).contains(&(*a as usize)))
+        };
+        let mut edges: Vec<(u32, u32, u32)> = mesh.triangles.par_iter().enumerate().flat_map_iter(sides).collect();
+        cancel.check()?;
+        edges.par_sort_unstable();
+        for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let [(a, b, one), (_, _, other)] = *edge else { continue };
+            let [n, m] = [one, other].map(|face| unit_normal(mesh.corners(face as usize)));
+            if n.dot(m) < SHARP.cos() {
+                for (from, to) in [(a, b), (b, a)] {
+                    let (ends, count) = &mut others[from as usize];
+                    if let Some(end) = ends.get_mut(*count as usize) {
+                        *end = to;
+                    }
+                    *count = count.saturating_add(1);
                 }
-                *count = count.saturating_add(1);
             }
         }
+        cancel.check()?;
     }
     let mut rims = Vec::new();
     let mut is_seen = vec![false; others.len()];
@@ -136,7 +148,7 @@ pub fn rims(mesh: &Mesh) -> Vec<Circle> {
         let is_on = |circle: &Circle| chain.iter().all(|p| circle.distance(*p) <= OFF_CIRCLE * circle.radius);
         rims.extend(Circle::through(&chain).filter(is_on));
     }
-    rims
+    Ok(rims)
 }
 
 /// The rim that a place is next to: the nearest, if it is no further off than its radius.
@@ -217,7 +229,7 @@ mod tests {
         let around: Vec<_> =
             polygon(24, 9.0).into_iter().map(|p| p.clamp(-glam::DVec2::splat(8.0), glam::DVec2::splat(8.0))).collect();
         let part = frame(&around, &hole, 5.0);
-        let found = rims(&part);
+        let found = rims(&part, &Cancel::default()).unwrap();
         assert_eq!(found.len(), 2, "{found:?}");
         for (rim, z) in found.iter().zip([0.0, 5.0]) {
             assert!(rim.radius > 2.999_999 && rim.radius < 3.000_001);
@@ -227,10 +239,10 @@ mod tests {
         assert!((near.centre.z - 5.0).abs() < 1e-9, "the rim that was pointed at");
         assert!(rim_at(&found, DVec3::new(60.0, 0.0, 0.0)).is_none());
         let square = frame(&rectangle(20.0, 20.0), &rectangle(6.0, 6.0), 5.0);
-        assert!(rims(&square).is_empty());
+        assert!(rims(&square, &Cancel::default()).unwrap().is_empty());
         // A round peg is a rim too.
         let peg = fixtures_peg();
-        assert_eq!(rims(&with(&square, &peg)).len(), 2);
+        assert_eq!(rims(&with(&square, &peg), &Cancel::default()).unwrap().len(), 2);
     }
 
     /// A round bar of 4 mm, 5 mm long.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::opening::Opening;
 use super::unseen::OpeningProposal;
+use task::{Cancel, Cancelled};
 
 /// Warning on a mold.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error, Deserialize)]
@@ -160,15 +161,18 @@ pub enum MoldWarning {
 
 impl MoldWarning {
     /// The warning about a mesh that opens in this direction: a hidden cavity tells whether that is the proposed one.
-    pub fn of_opening(self, mesh: &Mesh, opening: Opening) -> Self {
-        match self {
+    ///
+    /// # Errors
+    /// If it is cancelled.
+    pub fn of_opening(self, mesh: &Mesh, opening: Opening, cancel: &Cancel) -> Result<Self, Cancelled> {
+        Ok(match self {
             Self::HiddenCavity { hidden_mm2, inner_mm2, .. } => {
-                let proposed = OpeningProposal::of(mesh).opening.direction();
+                let proposed = OpeningProposal::of(mesh, cancel)?.opening.direction();
                 let is_proposed = proposed.distance(opening.direction()) < 1e-3;
                 Self::HiddenCavity { hidden_mm2, inner_mm2, is_proposed }
             }
             other => other,
-        }
+        })
     }
 
     /// Whether the mold's surface is no boundary of a solid, so that what is found there may be wrong.

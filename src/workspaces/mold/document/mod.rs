@@ -22,6 +22,7 @@ use mold::electrode::params::ElectrodeParams;
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
 use mold::unseen::OpeningProposal;
+use task::{Cancel, Cancelled};
 
 /// Parameters of a mold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -140,10 +141,16 @@ impl MoldParams {
     }
 
     /// Takes the opening direction that is proposed for the part's mesh, if none is given. Returns the proposal then.
-    pub fn open(&mut self, mesh: &Mesh) -> Option<OpeningProposal> {
-        let proposal = self.opening.is_none().then(|| OpeningProposal::of(mesh))?;
+    ///
+    /// # Errors
+    /// If it is cancelled.
+    pub fn open(&mut self, mesh: &Mesh, cancel: &Cancel) -> Result<Option<OpeningProposal>, Cancelled> {
+        if self.opening.is_some() {
+            return Ok(None);
+        }
+        let proposal = OpeningProposal::of(mesh, cancel)?;
         self.opening = Some(proposal.opening);
-        Some(proposal)
+        Ok(Some(proposal))
     }
 
     /// Parameters of the search for uncut regions.
@@ -170,7 +177,8 @@ impl MoldParams {
     pub fn dropped(&self, before: &Self) -> Option<String> {
         let mut dropped = Vec::new();
         if let Some(opening) = before.opening.filter(|_| self.opening != before.opening) {
-            dropped.push(format!("opening direction {} (now {})", opening.name(), self.opening().name()));
+            let now = self.opening.map_or_else(String::new, |now| format!(" (now {})", now.name()));
+            dropped.push(format!("opening direction {}{now}", opening.name()));
         }
         if self.datum != before.datum {
             dropped.push(format!("work datum {}", before.datum.label()));

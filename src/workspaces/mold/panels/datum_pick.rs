@@ -64,7 +64,7 @@ impl MoldDesk {
             DatumPick::Faces(Some(first)) => {
                 datum.between([first, (place, normal)]).ok_or("the two faces are not parallel: click on another one")
             }
-            DatumPick::Hole => rim_at(&mold.rims, place)
+            DatumPick::Hole => rim_at(self.work.survey(self.params()).map_or(&[], |found| &found.rims), place)
                 .map(|rim| datum.at(rim.centre, &format!("hole dia {:.3}", 2.0 * rim.radius)))
                 .ok_or("no round rim is near: click nearer to the rim of a hole"),
             DatumPick::XAxis(None) => {

@@ -235,18 +235,19 @@ impl MoldDesk {
     /// was given. Decisions for another mold are dropped. Returns the report of that.
     fn follow_part(&mut self) -> Option<WorkEvent> {
         let mold = self.work.part(self.document.params())?;
-        let (part, proposed) = (mold.sha256.clone(), mold.proposal.opening);
+        let part = mold.sha256.clone();
+        let proposed = self.work.survey(self.document.params()).map(|found| found.proposal.opening);
         let MoldParams { part: own, opening, .. } = self.params();
         if own.as_ref().is_none_or(|own| *own == part) {
-            if own.is_none() || opening.is_none() {
+            if own.is_none() || (opening.is_none() && proposed.is_some()) {
                 self.note(true, |params| {
                     params.part.get_or_insert_with(|| part.clone());
-                    params.opening.get_or_insert(proposed);
+                    params.opening = params.opening.or(proposed);
                 });
             }
             return None;
         }
-        let now = MoldParams { opening: Some(proposed), ..self.params().of_part(&part) };
+        let now = MoldParams { opening: proposed, ..self.params().of_part(&part) };
         let dropped = now.dropped(self.params());
         self.document.complete_step(now);
         dropped.map(|text| WorkEvent { kind: EventKind::Refused, text: format!("Mold: {text}"), took: None })

@@ -77,7 +77,11 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
             form.change(|params| (params.solids, params.obstacles) = (chosen.part, chosen.obstacles));
         }
     }
-    opening(ui, &mut form, desk.work.part(desk.document.params()).map(|mold| mold.proposal));
+    let proposal = desk.work.survey(desk.document.params()).map(|found| found.proposal);
+    opening(ui, &mut form, proposal);
+    if desk.work.is_surveying() {
+        ui.label(RichText::new("The direction that hides least is being looked for.").small().color(palette(ui).faint));
+    }
     form.row(ui, "tolerance_mm");
     desk.take(form.answer(), cx);
     facts(ui, desk, cx);

@@ -20,7 +20,7 @@ use crate::workspaces::mold::scene::{
     MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, datum_lines, depth_legend, mold_part,
     rim_lines,
 };
-use crate::workspaces::mold::work::{Designed, FoundUncut, Glance, LoadedMold};
+use crate::workspaces::mold::work::{Designed, FoundUncut, Glance, LoadedMold, Survey};
 use crate::workspaces::news::EventKind;
 use mold::datum::Datum;
 use mold::opening::Opening;
@@ -63,6 +63,8 @@ struct SceneKey {
     /// Work datum, where it is worth showing.
     datum: Option<(Datum, Opening)>,
     pick: Option<DatumPick>,
+    /// Rims, while one is picked.
+    rims: Source<Survey>,
     dark: bool,
 }
 
@@ -101,6 +103,7 @@ impl SceneKey {
             datum: Some((mold.params().datum.clone(), mold.params().opening()))
                 .filter(|(datum, _)| !datum.is_of_mesh() || mold.pick.is_some()),
             pick: mold.pick,
+            rims: Source(mold.work.survey(mold.params()).filter(|_| mold.pick == Some(DatumPick::Hole)).cloned()),
             dark,
         }
     }
@@ -151,8 +154,8 @@ impl SceneKey {
         if let Some((datum, opening)) = &self.datum {
             scene.lines.extend(datum_lines(datum, *opening, &loaded.shape.bounds()));
         }
-        if self.pick == Some(DatumPick::Hole) {
-            scene.lines.push(rim_lines(&loaded.rims, theme));
+        if let Some(found) = &self.rims.0 {
+            scene.lines.push(rim_lines(&found.rims, theme));
         }
         if let Some(DatumPick::Faces(Some((at, _))) | DatumPick::XAxis(Some(at))) = self.pick {
             scene.markers.push(Marker { at, colour: theme.accent, radius_px: 5.0 });

@@ -29,7 +29,7 @@ use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
 use nc::electrode_files::ElectrodeFormat;
 use nc::template::BurnSheet;
-pub use steps::{FoundUncut, Glance, LoadedMold, load as read_part};
+pub use steps::{FoundUncut, Glance, LoadedMold, Survey, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 /// Key of a mesh: the file, none for the demonstration mold, its unit, and the number of reloads.
@@ -50,6 +50,8 @@ const ELECTRODES: &str = "electrodes";
 pub struct MoldWork {
     /// Only one mesh is remembered: a file is read again when the user comes back to it.
     mold: Memo<MeshKey, LoadedMold>,
+    /// By the digest of the mold.
+    surveyed: Memo<String, Survey>,
     /// Answers with their shapes are large: a few are remembered, so that undo is instant.
     found: Memo<Question, FoundUncut>,
     other: Memo<(Question, CutterLibrary), (FoundUncut, Comparison)>,
@@ -79,14 +81,17 @@ impl MoldWork {
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             mold: Memo::new(scheduler, Lane::Quick, "Mold").remembering(1),
+            surveyed: Memo::new(scheduler, Lane::Quick, "Opening direction").remembering(1),
             found: Memo::new(scheduler, Lane::Long, "Uncut").remembering(3),
             other: Memo::new(scheduler, Lane::Long, "Compare").remembering(1),
             glances: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish().remembering(2),
             designed: Memo::new(scheduler, Lane::Long, "Electrodes").remembering(4),
             divisions: Memo::new(scheduler, Lane::Long, "Compare divisions").remembering(1),
             is_waiting: false,
-            exported: Memo::new(scheduler, Lane::Long, "Export of electrodes").remembering(1),
-            uncut_exported: Memo::new(scheduler, Lane::Long, "Export of rest material").remembering(1),
+            exported: Memo::new(scheduler, Lane::Long, "Export of electrodes").awaiting_the_end().remembering(1),
+            uncut_exported: Memo::new(scheduler, Lane::Long, "Export of rest material")
+                .awaiting_the_end()
+                .remembering(1),
             exports: 0,
             reloads: 0,
             is_table_changed: false,
@@ -102,6 +107,11 @@ impl MoldWork {
         let mut events = Vec::new();
         while let Some(ended) = self.mold.take() {
             events.push(WorkEvent::of("Mold", ended, |mold| (EventKind::Done, mold.sentence())));
+        }
+        while let Some(ended) = self.surveyed.take() {
+            if ended.result.is_err() {
+                events.push(WorkEvent::of("Opening direction", ended, |_| (EventKind::Done, String::new())));
+            }
         }
         while let Some(ended) = self.found.take() {
             events.push(WorkEvent::of("Uncut", ended, |found| (EventKind::Done, found.sentence())));
@@ -128,6 +138,7 @@ impl MoldWork {
             events.push(WorkEvent::of("Uncut", ended, |text| (EventKind::Done, text.clone())));
         }
         self.load(params);
+        self.survey_of(params);
         self.follow_table();
         self.turn_to(params);
         self.take_up(params);
@@ -198,6 +209,24 @@ impl MoldWork {
         }
     }
 
+    /// Looks for opening direction and rims of the mold of `params`, unless that is done.
+    fn survey_of(&mut self, params: &MoldParams) {
+        let Some(mold) = self.part(params).cloned() else { return };
+        self.surveyed.ask(&mold.sha256.clone(), self.priority, move |work| {
+            steps::survey(&mold, &work.task.cancel).map_err(|e| e.to_string())
+        });
+    }
+
+    /// Opening direction and rims of the mold of `params`, once found.
+    pub fn survey(&self, params: &MoldParams) -> Option<&Arc<Survey>> {
+        self.surveyed.get(&self.part(params)?.sha256)
+    }
+
+    /// Whether opening direction and rims are being looked for.
+    pub fn is_surveying(&self) -> bool {
+        self.surveyed.is_busy()
+    }
+
     fn mesh_key(&self, params: &MoldParams) -> MeshKey {
         let reading = if params.mesh.is_some() { params.reading() } else { Units::Mm.into() };
         (params.mesh.clone(), reading, self.reloads)
@@ -244,8 +273,9 @@ impl MoldWork {
 
     /// Key for `params`, and the mold.
     fn asked(&self, params: &MoldParams) -> Result<(Question, Arc<LoadedMold>), String> {
-        let asked = self.question(params).zip(self.current_mold(params).cloned());
-        asked.ok_or_else(|| "load a mold first".to_owned())
+        let mold = self.current_mold(params).ok_or("load a mold first")?;
+        let question = self.question(params).ok_or("choose the opening direction, or wait until one is proposed")?;
+        Ok((question, mold.clone()))
     }
 
     /// State of the uncut regions for `params`.
@@ -389,6 +419,7 @@ impl MoldWork {
     /// Forgets the mesh of another mold, which is read anew even from the same file, and previews and wishes for it.
     pub fn begin_anew(&mut self) {
         self.mold.clear();
+        self.surveyed.clear();
         self.forget_glance();
         self.is_waiting = false;
     }
@@ -403,7 +434,7 @@ impl MoldWork {
 
     /// Work under way.
     pub fn doing(&self) -> Option<&Doing> {
-        let all = [self.mold.doing(), self.found.doing(), self.other.doing()];
+        let all = [self.mold.doing(), self.surveyed.doing(), self.found.doing(), self.other.doing()];
         let made = [self.designed.doing(), self.divisions.doing()];
         let exported = [self.exported.doing(), self.uncut_exported.doing()];
         all.into_iter().chain(made).chain(exported).flatten().next()
@@ -418,6 +449,7 @@ impl MoldWork {
     pub fn cancel(&mut self) {
         self.is_waiting = false;
         self.mold.cancel();
+        self.surveyed.cancel();
         self.found.cancel();
         self.other.cancel();
         self.designed.cancel();

@@ -21,7 +21,7 @@ use mold::invert::InvertFaces;
 use mold::unseen::{OpeningProposal, Unseen, undercuts};
 use mold::warning::MoldWarning;
 use render::mesh::RenderMesh;
-use task::{Cancel, StageClock, StageTime, Task};
+use task::{Cancel, Cancelled, StageClock, StageTime, Task};
 
 /// A mold as loaded.
 #[derive(Debug)]
@@ -40,10 +40,6 @@ pub struct LoadedMold {
     pub faces: Option<CadFaces>,
     /// Volume (mm^3).
     pub volume: f64,
-    /// Opening direction that is proposed.
-    pub proposal: OpeningProposal,
-    /// Rims of holes and bosses, in the axes of the file (mm).
-    pub rims: Vec<Circle>,
     /// File of the mold as it was read; without a path for the demonstration mold.
     pub file: PartFile,
     /// Digest of the part: digest of the file and the unit that it was read in.
@@ -109,21 +105,30 @@ pub(super) fn load_demonstration(task: &Task) -> Result<LoadedMold, String> {
 }
 
 fn loaded(name: String, path: &Path, imported: Imported, task: &Task) -> Result<LoadedMold, String> {
-    let shape = Arc::new(match &imported.obstacles {
-        Some(obstacles) => {
-            let mut all = imported.mesh.clone();
-            all.append(obstacles);
-            RenderMesh::new(&all)
-        }
-        None => RenderMesh::new(&imported.mesh),
-    });
-    task.check().map_err(|e| e.to_string())?;
-    let sha256 = part_of(&imported);
+    let (sha256, volume) = (part_of(&imported), imported.mesh.volume());
     let file = PartFile { path: path.to_owned(), sha256: imported.sha256 };
-    let (volume, proposal, rims) = (imported.mesh.volume(), OpeningProposal::of(&imported.mesh), rims(&imported.mesh));
     let mesh = Arc::new(imported.mesh);
+    let shape = Arc::new(RenderMesh::beside(&mesh, imported.obstacles.as_ref()));
+    task.check().map_err(|e| e.to_string())?;
     let (report, faces, obstacles) = (imported.report, imported.faces, imported.obstacles);
-    Ok(LoadedMold { name, file, mesh, obstacles, shape, report, faces, volume, proposal, rims, sha256 })
+    Ok(LoadedMold { name, file, mesh, obstacles, shape, report, faces, volume, sha256 })
+}
+
+/// What is looked for on a mold that is shown already.
+#[derive(Debug)]
+pub struct Survey {
+    /// Opening direction that is proposed.
+    pub proposal: OpeningProposal,
+    /// Rims of holes and bosses, in the axes of the file (mm).
+    pub rims: Vec<Circle>,
+}
+
+/// Looks for the opening direction and the rims of a mold.
+///
+/// # Errors
+/// If it is cancelled.
+pub(super) fn survey(mold: &LoadedMold, cancel: &Cancel) -> Result<Survey, Cancelled> {
+    Ok(Survey { proposal: OpeningProposal::of(&mold.mesh, cancel)?, rims: rims(&mold.mesh, cancel)? })
 }
 
 /// Searches the uncut regions.
@@ -194,8 +199,8 @@ pub(super) fn glance(mold: &LoadedMold, params: &UncutParams, cancel: &Cancel) -
     let surface: Vec<_> = cells.flat_map(|cell| cell.pieces(0)).collect();
     let shape = region_shapes(&mold.mesh, &surface, 1, params.opening).swap_remove(0).shape;
     let upright = params.opening.upright_mesh(&mold.mesh);
-    cancel.check().map_err(|e| e.to_string())?;
-    let invert = undercuts(InvertFaces::of(&upright), &upright, params.opening);
+    let invert = undercuts(InvertFaces::of(&upright), &upright, params.opening, cancel).map_err(|e| e.to_string())?;
     let invert = faces_shape(&mold.mesh, &invert.triangles);
-    Ok(Glance { preview, shape, invert, hidden: Unseen::warning(&upright) })
+    let hidden = Unseen::warning(&upright, cancel).map_err(|e| e.to_string())?;
+    Ok(Glance { preview, shape, invert, hidden })
 }

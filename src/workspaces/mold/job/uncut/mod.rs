@@ -287,7 +287,9 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let field = HeightField::raster(&upright, grid_step, &task.cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, task)?;
     doubt(&mut stack, mesh, &needed, grid_step);
-    stack.warnings.extend(Unseen::warning(&upright).map(|warning| warning.of_opening(mesh, params.opening)));
+    if let Some(warning) = Unseen::warning(&upright, &task.cancel)? {
+        stack.warnings.push(warning.of_opening(mesh, params.opening, &task.cancel)?);
+    }
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
     task.report("height map", 0.2, "");
     let of_shaft = layers_of_shaft(&upright, &needed, &task.cancel)?;
@@ -346,7 +348,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     } else {
         of_surface(&stack, (&field, &closing), &of_field, &surface)
     };
-    stack.invert = undercuts(stack.invert, &upright, params.opening);
+    stack.invert = undercuts(stack.invert, &upright, params.opening, &task.cancel)?;
     let undercut_at = stack.invert.largest(mesh);
     task.report("surface", 1.0, "");
     Ok(Uncut {
