@@ -75,11 +75,14 @@ struct EndWall {
     is_blade: bool,
 }
 
-/// A station and the channel's gap at its middle radius, or at the nearest x where the blades bound it.
+/// A station and the channel's gaps there, or at the nearest x where the blades bound them.
 #[derive(Clone, Copy)]
 struct Traced {
     station: Station,
+    /// The gap at the middle radius.
     gap: Gap,
+    /// The gaps beside hub and shroud, which lie elsewhere about the axis where blades lean.
+    beside: [Gap; 2],
 }
 
 /// The middle between two positions (mm), while they are further apart than a billionth of a step and than rounding.
@@ -121,7 +124,7 @@ impl Tracer<'_> {
     /// Hub and shroud along the whole ring of an axial channel, starting from a place between the blades.
     pub fn meridian(&self, start: Place) -> Result<Meridian, BliskError> {
         let missing = |wall, key| BliskError::NoEndWall { wall, key, x: start.x, r: start.r };
-        let (hub, shroud) = self.end_walls(&start);
+        let (hub, shroud) = self.end_walls(&start, &[start.gap; 2]);
         let shrouded = shroud.is_some();
         let given = self.given_radii(start.x);
         let hub = given[0].or(hub).ok_or(missing("hub", "hub_radius_mm"))?;
@@ -130,7 +133,7 @@ impl Tracer<'_> {
         if hub >= shroud {
             return Err(BliskError::NoHeight { hub, shroud });
         }
-        let first = Traced { station: Station::across_axis(start.x, hub, shroud), gap: start.gap };
+        let first = self.traced(&start, hub, shroud, &[start.gap; 2]);
         let bounds = self.slices.bounds();
         let step = bounds.size().x / STATIONS;
         let mut stations = self.march(first, -step, bounds.min.x, shrouded)?;
@@ -244,7 +247,7 @@ impl Tracer<'_> {
         let r = 0.5 * (near.station.hub.y + near.station.shroud.y);
         let bladed = self.gap_between_any(x, r, &near.gap);
         let place = Place { along: x, x, r, gap: bladed.unwrap_or(near.gap) };
-        let (hub, shroud) = self.end_walls(&place);
+        let (hub, shroud) = self.end_walls(&place, &near.beside);
         let tip = || bladed.map_or(near.station.shroud.y, |_| self.tip_radius(&place, near.station.shroud.y));
         let given = self.given_radii(x);
         // A drawn curve bounds the passage with a shroud behind it or without.
@@ -256,13 +259,23 @@ impl Tracer<'_> {
             }
         };
         let hub = given[0].or(hub)?;
-        (hub < shroud).then_some(Traced { station: Station::across_axis(x, hub, shroud), gap: place.gap })
+        (hub < shroud).then(|| self.traced(&place, hub, shroud, &near.beside))
+    }
+
+    /// The station at a place with these radii of hub and shroud. The gaps beside them continue `near`.
+    fn traced(&self, place: &Place, hub: f64, shroud: f64, near: &[Gap; 2]) -> Traced {
+        let beside = [(hub, &near[0]), (shroud, &near[1])].map(|(wall, near)| {
+            let r = wall + 2.0 * BESIDE * (place.r - wall);
+            self.gap_between_any(place.x, r, near).unwrap_or(*near)
+        });
+        Traced { station: Station::across_axis(place.x, hub, shroud), gap: place.gap, beside }
     }
 
     /// Radii of the hub and of the shroud at a place. Where the rays over the middle of the channel differ by more than
     /// facets do, they are measured beside that end wall: leaned blades pass it elsewhere than at the middle of the
-    /// height, and fillets lie beside them.
-    fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
+    /// height, and fillets lie beside them. Where no blades bound the place, as ahead of them, their gaps beside the end
+    /// walls continue `near`.
+    fn end_walls(&self, place: &Place, near: &[Gap; 2]) -> (Option<f64>, Option<f64>) {
         let [hub, shroud] = self.end_walls_along(place);
         let given = self.radii_by_hand(place.x);
         let [hub, shroud] =
@@ -276,7 +289,7 @@ impl Tracer<'_> {
                     break;
                 }
                 let r = wall.radius + inwards * 0.5f64.powi(round);
-                let Some(next) = self.gap_between_any(place.x, r, &gap) else { break };
+                let next = self.gap_between_any(place.x, r, &gap).unwrap_or(near[i]);
                 let Some(nearer) = self.end_walls_along(&Place { r, gap: next, ..*place })[i] else { break };
                 (wall, gap) = (nearer, next);
             }
@@ -307,7 +320,7 @@ impl Tracer<'_> {
     /// The hub and the shroud along the radius through a place: the greatest and the least radius that its rays meet.
     fn end_walls_along(&self, place: &Place) -> [Option<EndWall>; 2] {
         let middle = place.gap.middle();
-        let half = 0.5 * MIDDLE_SHARE * place.gap.width().min(self.pitch);
+        let half = 0.5 * MIDDLE_SHARE * place.gap.width();
         let theta = |i: usize| middle + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
         let rays: Vec<Vec<RadialCrossing>> = (0..RAYS).map(|i| self.slices.ray(place.x, theta(i))).collect();
         let [hub, shroud] = self.radii_by_hand(place.x);

@@ -191,7 +191,7 @@ impl Tracer<'_> {
         let height = guess.height();
         let [from, toward] = self.start_of(guess, share, surface);
         let met_over = |share: f64| {
-            let half = 0.5 * share * gap.width().min(self.pitch);
+            let half = 0.5 * share * gap.width();
             let theta = |i: usize| gap.middle() + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
             let met = (0..RAYS).filter_map(|i| self.met(theta(i), from, toward, 2.0 * BESIDE * height));
             let mut met: Vec<(f64, u32)> = met.collect();
