@@ -41,17 +41,20 @@ struct Batch {
     @location(1) normal: vec3<f32>,
     // Linear light, and share of the accent colour.
     @location(2) @interpolate(flat, either) colour: vec4<f32>,
+    // Value times validity, validity, row of the colour map.
+    @location(3) value: vec3<f32>,
 }
 
 @vertex
 fn vs_batch(
-    @location(0) position: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) colour: vec4<f32>
+    @location(0) position: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) colour: vec4<f32>,
+    @location(3) value: vec3<f32>
 ) -> Batch {
     let view = object.model_view * vec4(position, 1.0);
     var clip = frame.projection * view;
     // The fourth component is a number of depth steps.
     clip.z -= object.values.z * round(normal.w * 32767.0) * clip.w;
-    return Batch(clip, view.xyz, (object.normal_view * vec4(normal.xyz, 0.0)).xyz, colour);
+    return Batch(clip, view.xyz, (object.normal_view * vec4(normal.xyz, 0.0)).xyz, colour, value);
 }
 
 // Light from a hemisphere, a key light over the viewer's left shoulder, and weak ones from the right and from the
@@ -102,8 +105,8 @@ fn fs(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32>
 
 @fragment
 fn fs_batch(in: Batch, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    let surface = Surface(in.clip, in.view, in.normal, vec2(0.0));
-    return seen(surface, front, in.colour, vec4(in.colour.a, 0.0, 1.0, 0.0));
+    let surface = Surface(in.clip, in.view, in.normal, in.value.xy);
+    return seen(surface, front, in.colour, vec4(in.colour.a, round(in.value.z), 1.0, 0.0));
 }
 
 // Only depth: so that of a translucent object its nearest surface alone is seen.

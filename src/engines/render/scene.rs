@@ -68,6 +68,19 @@ pub struct SurfaceValues {
     pub range: [f32; 2],
 }
 
+impl SurfaceValues {
+    /// The value at a vertex of the mesh; none where it is missing.
+    pub fn at(&self, vertex: u32) -> Option<f32> {
+        self.values.get(vertex as usize).copied().filter(|value| value.is_finite())
+    }
+
+    /// What a difference of values is multiplied with to give a share of the map.
+    pub fn scale(&self) -> f32 {
+        let span = self.range[1] - self.range[0];
+        if span > 0.0 { 1.0 / span } else { 0.0 }
+    }
+}
+
 /// Lines of one look.
 #[derive(Debug, Clone)]
 pub struct LineSet {

@@ -16,20 +16,21 @@ use geometry::mesh::{Bounds, Mesh, unit_normal};
 use geometry::raycast::RayMesh;
 pub use shading::Vertex;
 use shading::{Shaded, shade};
+use simplify::Lighter;
 
 /// Cosine of the angle (30 degrees) between faces from which on the edge between them is sharp.
 const CREASE: f64 = 0.866_025_403_784_438_6;
 /// Crease angle of the lighter mesh, which is rougher (rad).
 const LIGHTER_CREASE: f64 = 0.7;
 /// Number of triangles from which on there is a lighter mesh.
-const LIGHTER_FROM: usize = 300;
+const LIGHTER_FROM: usize = 24;
 /// Number of triangles from which on the lighter mesh is drawn whenever the view moves.
 const LARGE_FROM: usize = 60_000;
 /// Triangles of the lighter version of a large mesh, about.
 const LARGE_TARGET: f64 = 30_000.0;
-/// By how much fewer triangles are asked of the lighter version of a smaller mesh. About a tenth are left, since sides that
-/// face differently stay apart.
-const FEWER: f64 = 48.0;
+/// By how much fewer triangles are asked of the lighter version of a smaller mesh: the first of these that keeps its surface.
+/// About a tenth are left by the first, since sides that face differently stay apart.
+const FEWER: [f64; 3] = [48.0, 12.0, 2.0];
 /// Share of its surface that a small mesh keeps in its lighter version, at least: of a narrow strip nothing may be left.
 const LEAST_AREA: f64 = 0.6;
 
@@ -208,12 +209,15 @@ fn lighter_level(source: &Mesh, fans: &Fans, normals: &[DVec3], origin: DVec3) -
     if count < LIGHTER_FROM {
         return None;
     }
-    let is_large = count >= LARGE_FROM;
-    let target = if is_large { LARGE_TARGET } else { count as f64 / FEWER };
-    let lighter = simplify::lighter(source, fans, normals, target);
-    if !is_large && (2 * lighter.mesh.triangles.len() > count || lighter.mesh.area() < LEAST_AREA * source.area()) {
-        return None;
-    }
+    let lighter = |target: f64| simplify::lighter(source, fans, normals, target);
+    let keeps_surface = |lighter: &Lighter| {
+        2 * lighter.mesh.triangles.len() <= count && lighter.mesh.area() >= LEAST_AREA * source.area()
+    };
+    let lighter = if count >= LARGE_FROM {
+        lighter(LARGE_TARGET)
+    } else {
+        FEWER.into_iter().map(|fewer| lighter(count as f64 / fewer)).find(keeps_surface)?
+    };
     let normals: Vec<DVec3> = lighter.mesh.triangles.par_iter().map(|t| normal(&lighter.mesh, t)).collect();
     let fans = Fans::new(lighter.mesh.vertices.len(), &lighter.mesh.triangles);
     let mut level = Level::from(shade(&lighter.mesh, &fans, &normals, origin, LIGHTER_CREASE));

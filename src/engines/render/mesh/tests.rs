@@ -127,6 +127,17 @@ fn a_smaller_mesh_has_a_lighter_level_unless_its_surface_would_be_lost() {
     let ball = RenderMesh::new(&sphere(5.0, 14, DVec3::ZERO));
     assert!(!ball.is_large());
     assert!((30..ball.triangle_count() / 4).contains(&(ball.lighter().indices.len() / 3)));
+    // An open patch of few triangles keeps most of itself.
+    let grid = |k: u32| DVec3::new(f64::from(k / 5), f64::from(k % 5), 0.0);
+    let quads = (0..4).flat_map(|i| (0..4).map(move |j| [0, 5, 6, 1].map(|v| 5 * i + j + v)));
+    let patch = RenderMesh::new(&Mesh {
+        vertices: (0..25).map(grid).collect(),
+        triangles: quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    });
+    assert!((2..=16).contains(&(patch.lighter().indices.len() / 3)));
+    let corner = |i: &u32| DVec3::from_array(patch.lighter().vertices[*i as usize].position.map(f64::from));
+    let area = |t: &[u32]| (corner(&t[1]) - corner(&t[0])).cross(corner(&t[2]) - corner(&t[0])).length() / 2.0;
+    assert!(patch.lighter().indices.chunks(3).map(area).sum::<f64>() >= 0.6 * 16.0);
     // A strip a hundred times as long as it is wide: its two sides would fall into one.
     let strip = Mesh {
         vertices: (0..402).map(|i| DVec3::new(f64::from(i / 2), f64::from(i % 2) * 2.0, 0.0)).collect(),

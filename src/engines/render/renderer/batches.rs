@@ -11,6 +11,7 @@ use super::Plan;
 use super::gpu_meshes::{Detail, level};
 use super::prepare::depth_step;
 use crate::colour::Colour;
+use crate::colour_map::ColourMap;
 use crate::mesh::Level;
 use crate::scene::{Object, Scene, union};
 use geometry::mesh::Bounds;
@@ -25,13 +26,15 @@ const PLACES: usize = 256;
 const PATIENCE: u64 = 10;
 
 /// A vertex as the GPU reads it, from the batch's origin. The fourth component of its normal is its object's number of
-/// depth steps, the fourth of its colour (linear light) the share of the accent colour.
+/// depth steps, the fourth of its colour (linear light) the share of the accent colour. Of its value, a share of its colour
+/// map: the share times validity, validity, and the map's row.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct BatchVertex {
     position: [f32; 3],
     normal: [i16; 4],
     colour: [f32; 4],
+    value: [f32; 3],
 }
 
 /// Surfaces of some objects in one mesh.
@@ -41,6 +44,8 @@ pub struct Batch {
     pub index_count: u32,
     pub origin: DVec3,
     pub bounds: Bounds,
+    /// Values of its objects, kept so that their addresses stay theirs.
+    _values: Vec<Arc<Vec<f32>>>,
 }
 
 /// Batches of one picture, and the objects that are in them.
@@ -67,6 +72,8 @@ struct Item {
     colour: Colour,
     selected: bool,
     step: i16,
+    /// Address of the values, their map, and its range.
+    values: Option<(usize, ColourMap, [u32; 2])>,
 }
 
 impl Together {
@@ -118,7 +125,6 @@ impl Batches {
 fn can_be_batched(object: &Object, plan: &Plan) -> bool {
     object.is_visible()
         && object.is_opaque()
-        && object.values.is_none()
         && level(&object.mesh, plan.detail(object)).indices.len() < 3 * SMALL
         && object.transform.matrix3.determinant() != 0.0
 }
@@ -131,6 +137,7 @@ fn item(index: usize, object: &Object, plan: &Plan) -> Item {
         colour: object.colour,
         selected: object.selected,
         step: depth_step(index),
+        values: object.values.as_ref().map(|v| (Arc::as_ptr(&v.values).addr(), v.map, v.range.map(f32::to_bits))),
     }
 }
 
@@ -138,7 +145,7 @@ fn batch<'a>(device: &wgpu::Device, objects: impl Iterator<Item = (&'a Object, &
     let bounds = objects.clone().map(|(o, _)| o.bounds()).fold(Bounds::EMPTY, union);
     let origin = bounds.center();
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
-    for (object, item) in objects {
+    for (object, item) in objects.clone() {
         add(&mut vertices, &mut indices, object, level(&object.mesh, item.detail), item.step, origin);
     }
     let buffer = |contents: &[u8], usage| {
@@ -150,6 +157,7 @@ fn batch<'a>(device: &wgpu::Device, objects: impl Iterator<Item = (&'a Object, &
         index_count: indices.len() as u32,
         origin,
         bounds,
+        _values: objects.filter_map(|(o, _)| Some(o.values.as_ref()?.values.clone())).collect(),
     }
 }
 
@@ -166,13 +174,17 @@ fn add(
     let turn: DMat3 = object.transform.matrix3.inverse().transpose();
     let [r, g, b] = object.colour.to_linear().map(|c| c as f32);
     let colour = [r, g, b, object.accent()];
-    vertices.extend(level.vertices.iter().map(|v| {
+    let value = |source: u32| {
+        let values = object.values.as_ref()?;
+        Some([(values.at(source)? - values.range[0]) * values.scale(), 1.0, values.map.index() as f32])
+    };
+    vertices.extend(level.vertices.iter().zip(&level.sources).map(|(v, &source)| {
         let place = object.mesh.origin() + DVec3::from_array(v.position.map(f64::from));
         let [x, y, z, _] = v.normal.map(f64::from);
         let normal = (turn * DVec3::new(x, y, z)).normalize_or_zero() * f64::from(i16::MAX);
         let [x, y, z] = normal.to_array().map(|c| c.round() as i16);
         let position = (object.transform.transform_point3(place) - origin).as_vec3().to_array();
-        BatchVertex { position, normal: [x, y, z, step], colour }
+        BatchVertex { position, normal: [x, y, z, step], colour, value: value(source).unwrap_or_default() }
     }));
     // A mirrored mesh is turned inside out; its triangles are turned back.
     let order = if object.transform.matrix3.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };

@@ -70,7 +70,8 @@ impl GpuMeshes {
         mesh.used = picture;
         if let Some(values) = &object.values {
             let kept = self.values.entry(values_key(object, detail, values)).or_insert_with(|| {
-                let data = spread(level(&object.mesh, detail), &values.values);
+                let level = level(&object.mesh, detail);
+                let data: Vec<f32> = level.sources.iter().map(|&v| values.at(v).unwrap_or(NO_VALUE)).collect();
                 let buffer = buffer(device, bytemuck::cast_slice(&data), wgpu::BufferUsages::VERTEX);
                 let bytes = buffer.size();
                 Kept { what: GpuValues { buffer, _source: values.values.clone() }, used: picture, bytes }
@@ -112,12 +113,6 @@ pub fn level(mesh: &RenderMesh, detail: Detail) -> &Level {
 
 fn values_key(object: &Object, detail: Detail, values: &SurfaceValues) -> ValuesKey {
     (object.mesh.id(), detail, Arc::as_ptr(&values.values).addr())
-}
-
-/// One value for each vertex of a level.
-fn spread(level: &Level, values: &[f32]) -> Vec<f32> {
-    let value = |&v: &u32| values.get(v as usize).copied().filter(|x| x.is_finite()).unwrap_or(NO_VALUE);
-    level.sources.iter().map(value).collect()
 }
 
 fn largest_buffer(level: &Level) -> u64 {

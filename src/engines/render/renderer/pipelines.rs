@@ -304,7 +304,8 @@ fn vertex_buffers(key: Key) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
     use wgpu::VertexStepMode::{Instance, Vertex as PerVertex};
     const SURFACE: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4];
     const VALUE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![2 => Float32];
-    const BATCH: [wgpu::VertexAttribute; 3] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Float32x4];
+    const BATCH: [wgpu::VertexAttribute; 4] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Float32x4, 3 => Float32x3];
     const EDGE: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
     const LINE: [wgpu::VertexAttribute; 4] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4, 3 => Float32];

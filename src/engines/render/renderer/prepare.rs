@@ -244,10 +244,8 @@ fn object_uniform(object: &Object, view: &View) -> ObjectUniform {
     let opacity = object.opacity.min(1.0);
     let mirrored = if placed.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
     let edge_strength = if object.is_opaque() { 0.85 } else { 0.25 + 0.5 * opacity };
-    let (row, values) = object.values.as_ref().map_or((0.0, [0.0; 4]), |v| {
-        let span = v.range[1] - v.range[0];
-        (v.map.index() as f32, [v.range[0], if span > 0.0 { 1.0 / span } else { 0.0 }, 0.0, 0.0])
-    });
+    let (row, values) =
+        object.values.as_ref().map_or((0.0, [0.0; 4]), |v| (v.map.index() as f32, [v.range[0], v.scale(), 0.0, 0.0]));
     ObjectUniform {
         model_view: to_f32(&model_view),
         normal_view: to_f32(&DMat4::from_mat3(turn)),

@@ -30,12 +30,10 @@ fn boxes() -> Scene {
     scene((0..375).map(object).collect())
 }
 
-/// A scene with an object's colour as that of a value that is missing, which is never drawn with others.
+/// A scene with a section beside all of it, in which objects are never drawn together.
 fn one_by_one(scene: &Scene) -> Scene {
-    let values = SurfaceValues { values: Arc::new(Vec::new()), map: ColourMap::Diverging, range: [0.0, 1.0] };
-    let mut scene = scene.clone();
-    scene.objects.iter_mut().for_each(|o| o.values = Some(values.clone()));
-    scene
+    let beside = SectionPlane { point: DVec3::new(0.0, -1000.0, 0.0), normal: DVec3::NEG_Y };
+    Scene { section: Some(beside), ..scene.clone() }
 }
 
 #[test]
@@ -47,6 +45,36 @@ fn objects_drawn_together_look_as_one_by_one() {
     assert!(different(&together, &alone) < 20, "{}", different(&together, &alone));
     let empty = moving(&mut offscreen, &Scene::default(), &camera);
     assert!(different(&together, &empty) > 20_000);
+}
+
+/// Values grow along x and some are missing; the range, the map and the values of an object may change.
+#[test]
+fn values_of_objects_drawn_together_look_as_one_by_one() {
+    let (mut offscreen, mut scene) = (offscreen(), boxes());
+    let camera = front(&scene);
+    let plain = moving(&mut offscreen, &scene, &camera);
+    let mesh = scene.objects[0].mesh.clone();
+    let along: Vec<f32> = mesh.source().vertices.iter().map(|p| p.x as f32).collect();
+    let missing = vec![f32::NAN; along.len()];
+    let [along, missing] = [along, missing].map(Arc::new);
+    for (i, object) in scene.objects.iter_mut().enumerate() {
+        let values = [&along, &missing][usize::from(i.is_multiple_of(5))].clone();
+        object.values = Some(SurfaceValues { values, map: ColourMap::Light, range: [0.0, 5.0] });
+    }
+    let mut before = plain;
+    for change in [
+        (|_| ()) as fn(&mut SurfaceValues),
+        |v| v.range = [2.0, 3.0],
+        |v| v.map = ColourMap::Sequential,
+        |v| v.values = Arc::new(v.values.iter().map(|x| 5.0 - x).collect()),
+    ] {
+        scene.objects.iter_mut().filter_map(|o| o.values.as_mut()).for_each(change);
+        let together = moving(&mut offscreen, &scene, &camera);
+        let alone = moving(&mut offscreen, &one_by_one(&scene), &camera);
+        assert!(different(&together, &alone) < 20, "{}", different(&together, &alone));
+        assert!(different(&together, &before) > 2000, "{}", different(&together, &before));
+        before = together;
+    }
 }
 
 #[test]
