@@ -8,12 +8,14 @@ use geometry::mesh::Mesh;
 use glam::{DAffine3, DVec2, DVec3};
 use render::camera::{Camera, OrbitStyle};
 use render::colour::{Colour, Theme};
+use render::colour_map::ColourMap;
 use render::mesh::RenderMesh;
 use render::offscreen::Offscreen;
 use render::pick::pick;
 use render::renderer::Quality;
-use render::scene::{Grid, Object, ObjectId, Scene, SectionPlane};
+use render::scene::{Grid, Object, ObjectId, Scene, SectionPlane, SurfaceValues};
 use render::section::cut;
+use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 const SIZE: [u32; 2] = [1280, 800];
 
@@ -68,6 +70,18 @@ fn patch() -> Mesh {
     }
 }
 
+/// A wheel of 200 blades, 640 mm across.
+fn wheel_of_200_channels() -> Mesh {
+    let wheel = ParametricBlisk {
+        blades: 200,
+        hub_radius_mm: 300.0,
+        shroud_radius_mm: 316.0,
+        bore_radius_mm: 250.0,
+        ..Default::default()
+    };
+    wheel.mesh(&MeshResolution::default()).expect("a wheel that can be made")
+}
+
 fn render(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("render");
     group.sample_size(10);
@@ -92,8 +106,16 @@ fn render(criterion: &mut Criterion) {
     frames("frame in motion, 200k triangles", &small, camera, Quality::Moving);
     let (million, wide) = scene(Arc::new(RenderMesh::new(&large)));
     frames("frame in motion, 1M triangles", &million, wide, Quality::Moving);
-    let (many, wide) = plate(100, 200.0, false, &patch());
+    let (wheel, wide) = scene(Arc::new(RenderMesh::new(&wheel_of_200_channels())));
+    frames("frame in motion, wheel of 200 channels", &wheel, wide, Quality::Moving);
+    let (mut many, wide) = plate(100, 200.0, false, &patch());
     frames("frame in motion, 10,000 regions of a mold", &many, wide, Quality::Moving);
+    many.objects.iter_mut().skip(1).for_each(|region| {
+        let depths = (0..25).map(|k| k as f32 / 24.0).collect();
+        let values = SurfaceValues { values: Arc::new(depths), map: ColourMap::Light, range: [0.0, 1.0] };
+        region.values = Some(values);
+    });
+    frames("frame in motion, 10,000 regions coloured by depth", &many, wide, Quality::Moving);
     let (many, wide) = plate(32, 200.0, true, &wavy_ring(24));
     frames("frame in motion, 1,000 electrodes", &many, wide, Quality::Moving);
     group.bench_function("pick", |b| b.iter(|| pick(&small, &camera, DVec2::new(500.0, 500.0), SIZE)));

@@ -397,6 +397,17 @@ fn require_closed(path: &Path, report: &ImportReport) -> anyhow::Result<()> {
     Ok(())
 }
 
+impl Command {
+    /// Whether what it has by the time it is interrupted is written.
+    fn keeps_parts(&self) -> bool {
+        match self {
+            Self::Demo { .. } | Self::Plan { .. } | Self::Study(_) => true,
+            Self::Uncut(arguments) => arguments.mold.folder().is_some(),
+            _ => false,
+        }
+    }
+}
+
 /// A failure that is this program's own fault.
 #[derive(Debug, thiserror::Error)]
 #[error("internal error: {0}; please report it with the files that led to it")]
@@ -404,8 +415,9 @@ struct Internal(String);
 
 /// Exit code of a command that was interrupted.
 const CANCELLED: u8 = 130;
-/// Time for which an interrupted command may go on without a look at the flag that cancels it.
-const PATIENCE: Duration = Duration::from_millis(150);
+/// Time for which an interrupted command may go on if nothing of it is written, or if none of its work has looked at the flag
+/// that cancels it. The system takes some more to give back the memory of the process.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
@@ -424,12 +436,12 @@ pub fn run() -> ExitCode {
     let (flag, cancelled) = (cancel.clone(), cancel.clone());
     // The window looks at no flag: it shall end as any window does, and its unsaved work is kept by autosave.
     let is_window = matches!(arguments.command, None | Some(Command::Mold { .. }));
-    let json = arguments.json;
+    let (json, keeps_parts) = (arguments.json, arguments.command.as_ref().is_some_and(Command::keeps_parts));
     let interrupted = move || {
         flag.cancel();
         // What looks at the flag stops, and says how far it came. What does not, as work of a library, is left.
         std::thread::sleep(PATIENCE);
-        if !flag.is_seen() {
+        if !(keeps_parts && flag.is_seen()) {
             terminal::finish();
             let _ = fail("cancelled; what was not yet written is dropped", CANCELLED, json);
             std::process::exit(CANCELLED.into());

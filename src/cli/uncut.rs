@@ -97,7 +97,7 @@ fn place(text: &str) -> Result<DVec3, String> {
 #[derive(Debug, Args)]
 pub(super) struct UncutArguments {
     #[command(flatten)]
-    mold: MoldArguments,
+    pub(super) mold: MoldArguments,
     /// Other cutters to compare with, written as for --cutters: what they would leave less and more, and where.
     #[arg(long, value_name = "CUTTERS", value_delimiter = ',', conflicts_with = "compare_library")]
     compare: Vec<Cutter>,
@@ -151,7 +151,7 @@ impl MoldArguments {
     }
 
     /// The folder of molds that is given in the place of one.
-    fn folder(&self) -> Option<&Path> {
+    pub(super) fn folder(&self) -> Option<&Path> {
         Some(&*self.file).filter(|file| file.is_dir())
     }
 
