@@ -34,29 +34,6 @@ fn vs_valued(
     return surface(position, normal.xyz, select(vec2(0.0), vec2(t, 1.0), valid));
 }
 
-// A vertex of some objects drawn together.
-struct Batch {
-    @invariant @builtin(position) clip: vec4<f32>,
-    @location(0) view: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    // Linear light, and share of the accent colour.
-    @location(2) @interpolate(flat, either) colour: vec4<f32>,
-    // Value times validity, validity, row of the colour map.
-    @location(3) value: vec3<f32>,
-}
-
-@vertex
-fn vs_batch(
-    @location(0) position: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) colour: vec4<f32>,
-    @location(3) value: vec3<f32>
-) -> Batch {
-    let view = object.model_view * vec4(position, 1.0);
-    var clip = frame.projection * view;
-    // The fourth component is a number of depth steps.
-    clip.z -= object.values.z * round(normal.w * 32767.0) * clip.w;
-    return Batch(clip, view.xyz, (object.normal_view * vec4(normal.xyz, 0.0)).xyz, colour, value);
-}
-
 // Light from a hemisphere, a key light over the viewer's left shoulder, and weak ones from the right and from the
 // viewer.
 fn lit(base: vec3<f32>, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
@@ -103,10 +80,34 @@ fn fs(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32>
     return seen(in, front, object.colour, object.look);
 }
 
+// A vertex of some objects drawn together, and what is seen of it: of many small triangles to shade each pixel would cost
+// more than all else.
+struct Batch {
+    @invariant @builtin(position) clip: vec4<f32>,
+    @location(0) seen: vec3<f32>,
+}
+
+// The fourth component of the normal is a number of depth steps. The colour is linear light and the share of the accent
+// colour; the value is value times validity, validity, and the row of the colour map.
+@vertex
+fn vs_batch(
+    @location(0) position: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) colour: vec4<f32>,
+    @location(3) value: vec3<f32>
+) -> Batch {
+    let view = object.model_view * vec4(position, 1.0);
+    var clip = frame.projection * view;
+    let pixel = (vec2(0.5, -0.5) * clip.xy / clip.w + 0.5) * frame.picture.xy;
+    clip.z -= object.values.z * round(normal.w * 32767.0) * clip.w;
+    let turned = (object.normal_view * vec4(normal.xyz, 0.0)).xyz;
+    let surface = Surface(vec4(pixel, 0.0, 1.0), view.xyz, turned, value.xy);
+    let look = vec4(colour.a, round(value.z), 1.0, 0.0);
+    let front = dot(turned, towards_viewer(view.xyz)) > 0.0;
+    return Batch(clip, seen(surface, front, colour, look).rgb);
+}
+
 @fragment
-fn fs_batch(in: Batch, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    let surface = Surface(in.clip, in.view, in.normal, in.value.xy);
-    return seen(surface, front, in.colour, vec4(in.colour.a, round(in.value.z), 1.0, 0.0));
+fn fs_batch(in: Batch) -> @location(0) vec4<f32> {
+    return vec4(in.seen, 1.0);
 }
 
 // Only depth: so that of a translucent object its nearest surface alone is seen.
