@@ -277,7 +277,7 @@ fn faces_look_where_their_names_say() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(ProptestConfig::with_cases(5))]
     #[test]
     fn any_electrode_is_closed_and_keeps_the_gap(
         angles in (20.0..40.0f64, -45.0..-20.0f64),
